@@ -1,0 +1,23 @@
+"""Times ours and a peer in turn, because the speed of a shared machine drifts while it is measured."""
+
+import statistics
+from collections.abc import Callable
+
+from experiments.benchmarks.rows import BenchRow
+
+
+def compare(
+    name: str, ours: Callable[[], float], peer: Callable[[], float], peer_name: str, rounds: int = 5
+) -> BenchRow:
+    """The median rates of `rounds` measurements each, ours and the peer's alternating.
+
+    Both callables do the work once and return its rate [1/s]; the first call of each is not counted, since it
+    compiles and fills caches.
+    """
+    if rounds < 1:
+        raise ValueError(f"rounds: at least 1 is needed, found {rounds}")
+    ours()
+    peer()
+    pairs = [(ours(), peer()) for _ in range(rounds)]
+    our_rates, peer_rates = zip(*pairs, strict=True)
+    return BenchRow(name, statistics.median(our_rates), statistics.median(peer_rates), peer_name)

@@ -1,0 +1,60 @@
+"""What a sub-command is, and what it gives back."""
+
+import dataclasses
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from tyro.conf import FlagCreatePairsOff
+
+from experiments import values as allowed
+from experiments.options import check
+from experiments.output import RunFolder
+from experiments.tables import Table
+
+if TYPE_CHECKING:  # a report draws figures, whose library no command line should wait for
+    from experiments.report import Page
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class RunOptions:
+    """Options that every command has."""
+
+    seed: Annotated[int, allowed.whole("N", at_least=0, at_most=2**32 - 1)] = 0
+    """Seed of every random draw: the same seed gives the same figures, bit for bit, on one machine."""
+    out: Annotated[Path | None, allowed.folder(unset="a new folder in runs")] = None
+    """Folder for the results: new or empty."""
+    overwrite: FlagCreatePairsOff[bool] = False
+    """Write into --out though an earlier run is there, and replace its files."""
+    config: Annotated[Path | None, allowed.file(".json")] = None
+    """The summary.json of an earlier run of this command: its options, where not given here."""
+
+    def check(self) -> None:
+        """Raise InputError for the first option that is not allowed."""
+        check(self)
+
+
+@dataclasses.dataclass(frozen=True)
+class Outcome:
+    """What a command found.
+
+    summary: the keys of summary.json that are the command's own, in order. tables: what a person reads on
+    standard output. report: makes the page from the whole summary, None for a command without one. resolved:
+    options that were left to the program, as it chose them; they go into the summary's config. failure: why
+    the work as a whole failed though there are results, None for success.
+    """
+
+    summary: Mapping[str, Any]
+    tables: tuple[Table, ...]
+    report: Callable[[Mapping[str, Any]], "Page"] | None = None
+    resolved: Mapping[str, Any] = dataclasses.field(default_factory=dict)
+    failure: str | None = None
+
+
+@dataclasses.dataclass(frozen=True)
+class Command:
+    """One sub-command: its name, its options, and the work, which may write files into the run's folder."""
+
+    name: str
+    options: type[RunOptions]
+    execute: Callable[[Any, RunFolder], Outcome]

@@ -1,0 +1,98 @@
+"""Options of `jaxpaint paint`."""
+
+import dataclasses
+import math
+from pathlib import Path
+from typing import Annotated
+
+from experiments import values as allowed
+from experiments.commands.command import RunOptions
+from experiments.options import refuse
+
+PICTURES = (".svg",)
+CLOUDS = (".ply", ".pcd", ".xyz", ".npz")
+WALLS = ("flat", "corner", "cylinder")
+LATER_WALLS = ("objects", "room", ".stl", ".obj")
+AXES = ("x", "y", "z", "+x", "+y", "+z", "-x", "-y", "-z")
+NOISES = ("s1-simulation", "none")
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class PaintOptions(RunOptions):
+    """Paint a picture on a wall in many randomised worlds: scan, map, decide, move, lay paint, score."""
+
+    image: Annotated[
+        Path | None, allowed.file(*PICTURES, later=(".png", ".jpg"), unset="the built-in drawing")
+    ] = None
+    """Picture to paint."""
+    wall: Annotated[str | Path, allowed.name_or_file(WALLS, CLOUDS, LATER_WALLS)] = "flat"
+    """Kind of wall, or a captured cloud as the wall."""
+    worlds: Annotated[int, allowed.whole("N", at_least=1)] = 64
+    """Randomised worlds, all at once."""
+    fidelity: Annotated[str, allowed.choice("kinematic", later=("dynamic", "wheeled"))] = "kinematic"
+    """How the robot moves: commanded velocities within limits (kinematic), or by physics."""
+    refine: Annotated[str, allowed.choice("none", later=("agn",))] = "none"
+    """What improves the scanned cloud before it is used."""
+    controller: Annotated[str, allowed.choice("acp", "whole-body", "trajectory")] = "acp"
+    """Who moves the robot: acp decides between the other two for each task."""
+    noise: Annotated[str, allowed.choice(*NOISES)] = "s1-simulation"
+    """Preset of sensor and odometry noise."""
+    canvas_size: Annotated[
+        tuple[float, float] | None, allowed.number("W H", above=0, count=2, unset="fits the wall")
+    ] = None
+    """Width and height of the canvas [m]; the picture keeps its proportions."""
+    canvas_pose: Annotated[
+        tuple[float, float, float, float] | None,
+        allowed.number("X Y Z YAW", count=4, unset="found on the wall"),
+    ] = None
+    """Middle of the canvas x, y, z [m] and heading of its rays about z [rad], in the map frame."""
+    up: Annotated[str | None, allowed.choice(*AXES, unset="guessed, and said")] = None
+    """Axis of the captured wall that points up."""
+    wall_scale: Annotated[float, allowed.number("F", above=0)] = 1.0
+    """Factor from the captured wall's unit to metres (0.001 for millimetres)."""
+    wall_height: Annotated[float | None, allowed.number("M", at_least=0, unset="fits the robot")] = None
+    """Height of the captured wall's lowest point above the floor [m]."""
+    brush_radius: Annotated[float, allowed.number("M", above=0)] = 0.010
+    """Radius of the brush's contact [m]."""
+    speed: Annotated[float, allowed.number("M/S", above=0)] = 0.03
+    """Speed of the brush along a stroke [m/s]."""
+    robot: Annotated[Path | None, allowed.file(".xml", unset="the reference robot")] = None
+    """MJCF of another robot, with named base joints, arm joints and brush site."""
+    theta: Annotated[float | None, allowed.number("M", above=0, unset="by preset")] = None
+    """Base travel after which the base halts [m]: Theta of S1-(13)."""
+    dwell: Annotated[float | None, allowed.number("S", at_least=0, unset="by preset")] = None
+    """Least time that a halted base stays halted [s]."""
+    release_margin: Annotated[float | None, allowed.number("M", at_least=0, unset="by preset")] = None
+    """Distance of the brush from its best place before the arm at which a halted base moves again [m]."""
+    low_speed_scale: Annotated[float | None, allowed.number("F", above=0, unset="by preset")] = None
+    """The base moves at this multiple of the brush's speed or not at all: S of S1-(12)."""
+    variance_bounds: Annotated[
+        tuple[float, float] | None, allowed.number("LOW HIGH", at_least=0, count=2, unset="0.3 0.8")
+    ] = None
+    """Band of S1-(7) inside which poses count as waypoints, not as a path."""
+    halting: bool = True
+    """Let the base halt by S1-(13)."""
+    low_speed: bool = True
+    """Keep the base from creeping by S1-(12)."""
+
+    def check(self) -> None:
+        """Raise InputError for the first option that is not allowed, alone or beside another."""
+        super().check()
+        if self.variance_bounds is not None and self.variance_bounds[0] >= self.variance_bounds[1]:
+            refuse("--variance-bounds", self.variance_bounds, "LOW below HIGH")
+
+    def captured(self) -> Path | None:
+        """The file that is the wall, None for a kind of wall."""
+        return self.wall if isinstance(self.wall, Path) else None
+
+    def threshold_changes(self) -> dict[str, float]:
+        """What differs from the default thresholds, by the names of `jaxpaint.decisions.Thresholds`."""
+        given = {
+            "halt_travel": self.theta if self.halting else math.inf,
+            "dwell": self.dwell,
+            "release_margin": self.release_margin,
+            "low_speed_scale": self.low_speed_scale if self.low_speed else 0.0,
+            "variance_lower": self.variance_bounds and self.variance_bounds[0],
+            "variance_upper": self.variance_bounds and self.variance_bounds[1],
+        }
+        return {name: value for name, value in given.items() if value is not None}

@@ -1,0 +1,60 @@
+"""One run of a command, from checked options to a folder that is whole."""
+
+import sys
+import time
+from collections.abc import Mapping
+from typing import Any
+
+from experiments import tables
+from experiments.commands.command import Command, Outcome, RunOptions
+from experiments.compile_clock import CompileClock
+from experiments.options import to_config
+from experiments.output import RunFolder, describe_device, describe_versions, write_json
+from experiments.report import render
+
+
+def run(command: Command, options: RunOptions) -> int:
+    """Do the work, write its folder, show its tables; exit status 0, or 1 where the work says that it failed.
+
+    InputError and every other exception pass through, and then nothing was written.
+    """
+    options.check()
+    with RunFolder(command.name, options.out, options.overwrite) as folder:
+        start = time.perf_counter()
+        with CompileClock() as clock:
+            outcome = command.execute(options, folder)
+        seconds = time.perf_counter() - start
+        summary = _summary(command, options, outcome, clock.seconds, seconds)
+        _write(folder, summary, outcome)
+    _show(command, folder, outcome)
+    return 0 if outcome.failure is None else 1
+
+
+def _summary(
+    command: Command, options: RunOptions, outcome: Outcome, compile_s: float, seconds: float
+) -> dict[str, Any]:
+    """The keys that every command has, then its own."""
+    return {
+        "command": command.name,
+        "config": {**to_config(options), **outcome.resolved},
+        "seed": options.seed,
+        "versions": describe_versions(),
+        "device": describe_device(),
+        "compile_s": compile_s,
+        "run_s": seconds - compile_s,
+        **outcome.summary,
+    }
+
+
+def _write(folder: RunFolder, summary: Mapping[str, Any], outcome: Outcome) -> None:
+    if outcome.report is not None:
+        folder.path("report.html").write_text(render(outcome.report(summary)), encoding="utf-8")
+    write_json(folder.path("summary.json"), {**summary, "files": [*folder.files(), "summary.json"]})
+
+
+def _show(command: Command, folder: RunFolder, outcome: Outcome) -> None:
+    tables.show(outcome.tables)
+    names = [name for name in ("report.html", "summary.json") if (folder.final / name).exists()]
+    print("\n".join(str(folder.final / name) for name in names), flush=True)
+    if outcome.failure is not None:
+        print(f"jaxpaint {command.name}: failed: {outcome.failure}", file=sys.stderr)

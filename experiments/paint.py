@@ -1,0 +1,140 @@
+"""The main job: a picture painted on a wall in many randomised worlds."""
+
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+from typing import Any
+
+import numpy as np
+
+from experiments.commands.paint_options import PaintOptions
+from experiments.commands.paint_outcome import PaintOutcome
+from experiments.paint_job import PaintTask, paint_task
+from experiments.paint_report import report_data, trajectories
+from sims.painting.mission import Mission, run_mission
+from sims.rollout import RECORD_EVERY
+from sims.scoring import PaintScore, WorldScore, score_paint_worlds, summarise, world_scores
+
+# Worlds that run at once: what memory and cache like; more run in groups of this size.
+GROUP = 256
+
+
+def run(options: PaintOptions, progress: Callable[..., AbstractContextManager[Any]]) -> PaintOutcome:
+    """Scan, map, decide, move, paint and score in all worlds. Raises InputError for bad input."""
+    task = paint_task(options)
+    groups = np.array_split(np.arange(options.worlds), -(-options.worlds // GROUP))
+    missions, rows = [], []
+    with progress("paint", float(len(groups))) as bar:
+        for index in groups:
+            mission = run_mission(task.job, task.grid, index, controller=options.controller, advance=bar.advance)
+            rows += score(task, mission)
+            missions.append(mission if not missions else _light(mission))
+    summary = summarise(rows) | {
+        "path": _path(task, missions),
+        "modes": _modes(missions),
+        "control_steps": int(sum(steps_of(m).sum() for m in missions)),
+        "steps_per_s": float(sum(steps_of(m).sum() for m in missions) / sum(m.executed_s for m in missions)),
+    }
+    return PaintOutcome(
+        summary=summary,
+        worlds=_columns(rows, missions, options),
+        trajectories=trajectories(task, missions[0], rows),
+        report=report_data(task, missions[0], rows),
+        resolved=task.resolved,
+        notes=task.notes + _dropped(task, missions),
+    )
+
+
+def score(task: PaintTask, mission: Mission) -> list[WorldScore]:
+    """One row of scores a world."""
+    record, laid = mission.driven.record, mission.laid
+    paint: list[PaintScore] = score_paint_worlds(
+        task.wanted,
+        task.grid,
+        np.array(laid.thickness),
+        np.asarray(laid.uv),
+        record.live & (record.pen > 0.5),
+        film=float(task.job.brush.film),
+        stray=np.asarray(laid.stray),
+    )
+    step = float(task.job.dt) * RECORD_EVERY
+    return world_scores(mission.status, laid.tracking, paint, mission.surface, mission.surface, step=step)
+
+
+def steps_of(mission: Mission) -> np.ndarray:
+    """Live control steps of each world's execution."""
+    return np.asarray(mission.driven.state.steps)
+
+
+def _light(mission: Mission) -> Mission:
+    """Without the big arrays, which only the first group's report needs."""
+    none = np.zeros((len(mission.status), 0, 3))
+    return mission._replace(clouds=(none, none), truth=mission.truth.__class__(none, none))
+
+
+def _path(task: PaintTask, missions: list[Mission]) -> dict:
+    """Length and travel in the mean over worlds."""
+    down = np.concatenate([np.asarray(m.painting.path.down) for m in missions])
+    travel = np.concatenate([np.asarray(m.painting.path.travel) for m in missions])
+    return {
+        "strokes": int(task.strokes.count),
+        "points": len(task.strokes.points),
+        "length": float(down.mean()),
+        "travel": float(travel.mean()),
+    }
+
+
+def _modes(missions: list[Mission]) -> dict[str, float]:
+    """Share of the decisions (viewpoints, strokes) for each controller."""
+    chosen = np.concatenate([np.concatenate([m.modes.scan, m.modes.paint]) for m in missions])
+    share = float(np.mean(chosen))
+    return {"trajectory": 1 - share, "whole-body": share}
+
+
+def _columns(rows: list[WorldScore], missions: list[Mission], options: PaintOptions) -> dict[str, np.ndarray]:
+    """runs.parquet: one entry a world."""
+    names = {
+        "status": "status",
+        "tracking_rmse": "rmse_total",
+        "tracking_rmse_x": "rmse_x",
+        "tracking_rmse_y": "rmse_y",
+        "tracking_rmse_z": "rmse_z",
+        "tracking_p95": "error_p95",
+        "tracking_max": "error_max",
+        "normal_error_deg": "normal_error_mean_deg",
+        "normal_error_deg_p95": "normal_error_p95_deg",
+        "coverage": "coverage",
+        "excess": "excess",
+        "stroke_error": "stroke_error_mean",
+        "stroke_error_p95": "stroke_error_p95",
+        "thickness_cv": "thickness_cv",
+        "gap_length": "gap_length",
+        "odometry_drift": "odometry_drift_mean",
+        "odometry_drift_max": "odometry_drift_max",
+        "base_travel": "base_travel",
+        "halts": "halts",
+        "duration": "duration",
+        "chamfer_l1": "chamfer_l1_raw",
+        "chamfer_l2": "chamfer_l2_raw",
+    }
+    columns = {column: np.array([getattr(row, name) for row in rows]) for column, name in names.items()}
+    count = len(rows)
+    steps = np.concatenate([steps_of(m) for m in missions])
+    diverged = np.concatenate([np.asarray(m.driven.state.diverged_at) for m in missions])
+    return {
+        "world": np.arange(count),
+        "seed": np.full(count, options.seed),
+        **columns,
+        "control_steps": steps,
+        "diverged_at": diverged,
+    }
+
+
+def _dropped(task: PaintTask, missions: list[Mission]) -> tuple[str, ...]:
+    """What of the picture was left out, in words."""
+    from experiments.paint_report import dropped_points
+
+    causes = {name: count for name, count in dropped_points(missions).items() if count}
+    if not causes:
+        return ()
+    words = ", ".join(f"{count} {name}" for name, count in causes.items())
+    return (f"points not mapped, median world: {words} of {len(task.strokes.points)}",)

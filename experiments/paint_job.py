@@ -1,0 +1,113 @@
+"""From a user's options to a painting job: every file is read and every input refused here, before any work."""
+
+import dataclasses
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from experiments.commands.paint_options import PaintOptions
+from experiments.drawings import built_in_drawing
+from jaxpaint.clouds.files import read_cloud
+from jaxpaint.decisions.thresholds import default_thresholds
+from jaxpaint.mapping.canvas import Canvas
+from jaxpaint.mapping.raycast import MappingSettings
+from jaxpaint.pictures import Drawing, Strokes, fit, plan_strokes, read_drawing
+from jaxpaint.planning import ViewpointSettings, plan_viewpoints
+from opt.wbc import default_settings
+from sims.limits import robot_limits
+from sims.noise import noise_preset
+from sims.paint import Brush, PaintGrid, canvas_extent
+from sims.painting.job import CONTROL_PERIOD, Job
+from sims.robots import load_robot
+from sims.scenes.canvases import canvas_for
+from sims.scenes.captured import captured
+from sims.scenes.scene import Scene
+from sims.scenes.walls import make_wall
+from sims.scoring import Wanted, wanted_area
+from sims.sensors import Camera
+
+# Distance of neighbouring points of a stroke [m].
+SPACING = 0.005
+# What is painted may end up this far outside of the canvas and is still seen by the scores [m].
+_RIM = 0.06
+
+
+@dataclasses.dataclass(frozen=True)
+class PaintTask:
+    """A job with what only the host needs: the picture, where paint goes and where it should go.
+
+    notes: guesses to tell the user. resolved: options left open, as they were chosen.
+    """
+
+    job: Job
+    drawing: Drawing
+    strokes: Strokes
+    grid: PaintGrid
+    wanted: Wanted
+    notes: tuple[str, ...]
+    resolved: dict
+
+
+def paint_task(options: PaintOptions) -> PaintTask:
+    """Reads the inputs and puts the job together. Raises InputError."""
+    picture = read_drawing(options.image or built_in_drawing())
+    robot = load_robot(options.robot)
+    scene, canvas, notes = _place(options)
+    size = (float(canvas.size[0]), float(canvas.size[1]))
+    drawing = fit(picture, size)
+    strokes = plan_strokes(drawing, SPACING)
+    camera, views = Camera(), ViewpointSettings()
+    viewpoints = plan_viewpoints(size, (camera.width / float(camera.fx), camera.height / float(camera.fy)), views)
+    job = Job(
+        robot=robot,
+        limits=robot_limits(robot),
+        scene=scene,
+        canvas=canvas,
+        camera=camera,
+        noise=noise_preset(options.noise),
+        brush=Brush(radius=options.brush_radius, nominal_speed=options.speed),
+        thresholds=default_thresholds(**options.threshold_changes()),
+        settings=default_settings(),
+        mapping=MappingSettings(brush_radius=options.brush_radius),
+        picture=jnp.asarray(strokes.points, float),
+        stroke=jnp.asarray(strokes.stroke, jnp.int32),
+        views=jnp.asarray(viewpoints.view, float),
+        stops=jnp.asarray(viewpoints.stop, float),
+        view_distance=jnp.asarray(views.distance),
+        speed=jnp.asarray(options.speed),
+        dt=jnp.asarray(CONTROL_PERIOD),
+        seed=jax.random.key_data(jax.random.key(options.seed)),
+    )
+    extent = canvas_extent(scene, canvas, margin=_RIM + 2 * options.brush_radius)
+    grid = PaintGrid.covering(*extent, options.brush_radius / 5)
+    wanted = wanted_area(drawing.lines, scene, canvas, extent, options.brush_radius)
+    return PaintTask(job, drawing, strokes, grid, wanted, notes, _resolved(options, job))
+
+
+def _place(options: PaintOptions) -> tuple[Scene, Canvas, tuple[str, ...]]:
+    """The wall, and the canvas on it."""
+    file = options.captured()
+    if file is None:
+        scene = make_wall(options.wall)
+        return scene, canvas_for(scene, options.canvas_size, options.canvas_pose), ()
+    cloud = read_cloud(file, scale=options.wall_scale)
+    wall = captured(cloud, up=options.up, height=options.wall_height, canvas_size=options.canvas_size)
+    canvas = canvas_for(wall.scene, options.canvas_size, options.canvas_pose, default=wall.canvas)
+    return wall.scene, canvas, tuple(wall.report.lines())
+
+
+def _resolved(options: PaintOptions, job: Job) -> dict:
+    """What was left open, as chosen."""
+    center = np.asarray(job.canvas.center, float)
+    limits = job.thresholds
+    found = {
+        "canvas_size": tuple(float(x) for x in job.canvas.size),
+        "canvas_pose": (*(float(x) for x in center), float(job.canvas.yaw)),
+        "theta": float(limits.halt_travel),
+        "dwell": float(limits.dwell),
+        "release_margin": float(limits.release_margin),
+        "low_speed_scale": float(limits.low_speed_scale),
+        "variance_bounds": (float(limits.variance_lower), float(limits.variance_upper)),
+    }
+    return {name: value for name, value in found.items() if getattr(options, name) is None and np.isfinite(value).all()}

@@ -1,0 +1,84 @@
+"""The set-up of the whole process: what only the program may decide, and no import."""
+
+import hashlib
+import io
+import logging
+import os
+import platform
+import signal
+import sys
+import warnings
+from pathlib import Path
+
+CACHE_VARIABLE = "JAXPAINT_CACHE"
+"""Where compiled programs are kept; an empty value keeps none."""
+
+
+def prepare_python() -> None:
+    """A termination unwinds like Ctrl-C, libraries warn nobody, and printing works in any encoding."""
+    signal.signal(signal.SIGTERM, _interrupt)
+    if not sys.warnoptions:
+        warnings.simplefilter("ignore")
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="replace")
+    os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "2")  # read when XLA loads
+
+
+def prepare_jax() -> None:
+    """As many CPU devices as cores, and compiled programs kept between runs; before the first use of jax."""
+    import jax
+
+    logging.getLogger("jax").setLevel(logging.ERROR)
+    if "xla_force_host_platform_device_count" not in os.environ.get("XLA_FLAGS", ""):
+        jax.config.update("jax_num_cpu_devices", cores())
+    folder = cache_folder()
+    if folder is not None:
+        jax.config.update("jax_compilation_cache_dir", str(folder))
+        jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.1)
+
+
+def cores() -> int:
+    """Cores this process may use: its affinity, cut by the quota of its control group."""
+    allowed = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    quota = _quota()
+    return max(1, allowed if quota is None else min(allowed, round(quota)))
+
+
+def cache_folder() -> Path | None:
+    """The folder of compiled programs of this kind of processor; None where there is none to be.
+
+    Programs compiled for one processor can stop another with an illegal instruction, and home folders are
+    shared between machines: hence a folder for each kind.
+    """
+    chosen = os.environ.get(CACHE_VARIABLE, os.environ.get("JAX_COMPILATION_CACHE_DIR"))
+    if chosen is not None:
+        return Path(chosen) if chosen else None
+    home = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
+    folder = Path(home) / "jaxpaint" / f"compiled-{_processor_hash()}"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        return None
+    return folder if os.access(folder, os.W_OK) else None
+
+
+def _interrupt(*_: object) -> None:
+    raise KeyboardInterrupt
+
+
+def _quota() -> float | None:
+    try:
+        limit, period = Path("/sys/fs/cgroup/cpu.max").read_text().split()
+        return None if limit == "max" else int(limit) / int(period)
+    except (OSError, ValueError):
+        return None
+
+
+def _processor_hash() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+    except OSError:
+        lines = []
+    kind = [line for line in lines if line.startswith(("model name", "flags", "Features", "CPU part"))]
+    text = "\n".join([platform.machine(), *sorted(set(kind))])
+    return hashlib.sha256(text.encode()).hexdigest()[:12]

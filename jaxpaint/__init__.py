@@ -1,0 +1,1 @@
+"""Painting itself: geometry, clouds, mapping, kinematics, decisions. Pure functions on pytrees."""

@@ -1,0 +1,65 @@
+"""Evaluates a one-world program with the worlds as the last axis and barriers on every shared value.
+
+Two reasons, both measured on CPUs (see docs/compiling.md). XLA's fusion re-computes a value in each of its
+consumers, which grows exponentially along kinematic chains and factorisations: an optimisation barrier on
+every value that is read more than once stops that. And a loop over worlds vectorises only if neighbours in
+memory are worlds, while `jax.vmap` moves the worlds to the front.
+"""
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+
+import jax
+from jax.extend import core
+
+from jaxpaint.compiling.control_flow import CONTROL_FLOW
+from jaxpaint.compiling.rules import RULES, Value, fallback
+
+# These cost nothing to repeat, and a barrier would keep them from fusing.
+_FREE = {"broadcast_in_dim", "iota", "reshape", "squeeze", "expand_dims", "convert_element_type", "copy"}
+
+
+def batch_last(jaxpr: core.ClosedJaxpr, args: Sequence[Value], worlds: int) -> list[Value]:
+    """Evaluates `jaxpr`; a `Value` that is batched has shape `[*one_world, worlds]`."""
+    body = jaxpr.jaxpr
+    reads = _count_reads(body)
+    env: dict[core.Var, Value] = dict(zip(body.constvars, (Value(c, False) for c in jaxpr.consts), strict=True))
+    env.update(zip(body.invars, args, strict=True))
+
+    def read(atom) -> Value:
+        return Value(atom.val, False) if isinstance(atom, core.Literal) else env[atom]
+
+    for equation in body.eqns:
+        results = _evaluate(equation, [read(v) for v in equation.invars], worlds)
+        if equation.primitive.name not in _FREE:
+            results = _shield(results, [reads[v] > 1 for v in equation.outvars])
+        env.update(zip(equation.outvars, results, strict=True))
+    return [read(v) for v in body.outvars]
+
+
+def _count_reads(body: core.Jaxpr) -> Counter:
+    atoms = [v for equation in body.eqns for v in equation.invars] + list(body.outvars)
+    return Counter(v for v in atoms if not isinstance(v, core.Literal))
+
+
+def _evaluate(equation: core.JaxprEqn, inputs: list[Value], worlds: int) -> list[Value]:
+    name = equation.primitive.name
+    if name in CONTROL_FLOW:
+        return CONTROL_FLOW[name](equation, inputs, worlds, batch_last)
+    if not any(v.batched for v in inputs):
+        out = equation.primitive.bind(*(v.array for v in inputs), **equation.params)
+        return [Value(x, False) for x in (out if equation.primitive.multiple_results else [out])]
+    rule: Callable = RULES.get(name, fallback)
+    return rule(equation, inputs, worlds)
+
+
+def _shield(results: list[Value], shared: list[bool]) -> list[Value]:
+    """Puts one barrier around the results that several equations read."""
+    picked = [i for i, s in enumerate(shared) if s and results[i].batched]
+    if not picked:
+        return results
+    held = jax.lax.optimization_barrier([results[i].array for i in picked])
+    results = list(results)
+    for i, array in zip(picked, held, strict=True):
+        results[i] = Value(array, True)
+    return results

@@ -1,0 +1,144 @@
+"""A one-world function over many worlds: padded chunks, all local devices, one compilation."""
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax.sharding import Mesh, PartitionSpec
+
+from jaxpaint.compiling.batch_last import batch_last
+from jaxpaint.compiling.rules import Value, spread
+
+# XLA deletes barriers before it fuses (`cse_barrier_expander`), and splits large operations over a thread
+# pool in a way that can hang for good (`cpu-parallel-task-assigner`); devices are our parallelism.
+CPU_OPTIONS = {"xla_disable_hlo_passes": "cse_barrier_expander,cpu-parallel-task-assigner"}
+# Work on big arrays, one world at a time, needs no barriers; it only must not reach for the thread pool.
+_DENSE_OPTIONS = {"xla_disable_hlo_passes": "cpu-parallel-task-assigner"}
+
+
+class Batched:
+    """A compiled function of many worlds; made by `batched`.
+
+    `traces` counts how often the one-world function was traced, `compile_s` the seconds that tracing and
+    compilation took. Both stay as they are when only values change.
+    """
+
+    def __init__(self, function: Callable, in_axes: tuple[int | None, ...], chunk: int, dense: bool):
+        self._function, self._in_axes, self._chunk, self._dense = function, in_axes, chunk, dense
+        self._programs: dict[Any, Callable] = {}
+        self.traces, self.compile_s = 0, 0.0
+
+    def __call__(self, *args):
+        """Runs all worlds; batched arguments and every result have a leading worlds axis."""
+        flat, tree = jax.tree.flatten(args)
+        axes = self._leaf_axes(args)
+        counts = {np.shape(x)[0] for x, batched in zip(flat, axes, strict=True) if batched}
+        if len(counts) != 1:
+            raise ValueError(f"in_axes: the batched arguments must share one leading size, found {sorted(counts)}")
+        worlds = counts.pop()
+        per_device = _round_up(-(-worlds // jax.local_device_count()), self._chunk)
+        padded = per_device * jax.local_device_count()
+        flat = [_pad(x, padded) if batched else x for x, batched in zip(flat, axes, strict=True)]
+        out = self._program(flat, tree, axes, per_device)(*flat)
+        return out if padded == worlds else jax.tree.map(lambda x: x[:worlds], out)
+
+    def _leaf_axes(self, args) -> tuple[bool, ...]:
+        return tuple(
+            axis is not None for arg, axis in zip(args, self._in_axes, strict=True) for _ in jax.tree.leaves(arg)
+        )
+
+    def _program(self, flat, tree, axes, per_device) -> Callable:
+        key = (tree, axes, tuple((np.shape(x), jnp.result_type(x)) for x in flat), jax.config.jax_enable_x64)
+        if key not in self._programs:
+            start = time.perf_counter()
+            self._programs[key] = self._compile(flat, tree, axes, per_device)
+            self.compile_s += time.perf_counter() - start
+        return self._programs[key]
+
+    def _compile(self, flat, tree, axes, per_device) -> Callable:
+        mesh = Mesh(np.array(jax.local_devices()), ("worlds",))
+        specs = tuple(PartitionSpec("worlds") if batched else PartitionSpec() for batched in axes)
+
+        def body(*leaves):
+            return self._on_one_device(leaves, tree, axes, per_device)
+
+        shards = jax.shard_map(body, mesh=mesh, in_specs=specs, out_specs=PartitionSpec("worlds"), check_vma=False)
+        on_cpu = jax.default_backend() == "cpu"
+        options = (_DENSE_OPTIONS if self._dense else CPU_OPTIONS) if on_cpu else None
+        return jax.jit(shards).lower(*flat).compile(compiler_options=options)
+
+    def _on_one_device(self, leaves, tree, axes, per_device):
+        """Maps one chunk after another, so that a chunk's working set stays in the cache."""
+        chunk = min(self._chunk, per_device)
+        plain = self._dense or jax.default_backend() != "cpu"
+        one_chunk = _vectorised if plain else _batch_last_chunk
+        shared = [x for x, batched in zip(leaves, axes, strict=True) if not batched]
+        moving = [x for x, batched in zip(leaves, axes, strict=True) if batched]
+
+        def run(part):
+            own, common = iter(part), iter(shared)
+            return one_chunk(self._traced, [next(own) if b else next(common) for b in axes], tree, axes, chunk)
+
+        if chunk == per_device:
+            return run(moving)
+        split = [x.reshape(-1, chunk, *x.shape[1:]) for x in moving]
+        return jax.tree.map(lambda x: x.reshape(per_device, *x.shape[2:]), jax.lax.map(run, split))
+
+    def _traced(self, *args):
+        self.traces += 1
+        return self._function(*args)
+
+
+def batched(function: Callable, *, in_axes: tuple[int | None, ...] | int = 0, chunk: int = 32) -> Batched:
+    """Turns a function of one world into a compiled function of many.
+
+    function: of positional pytrees of arrays. in_axes: 0 for an argument with a leading worlds axis, None for
+    one that all worlds share, one entry an argument. chunk: how many worlds a device takes at a time; counts
+    are padded to a multiple of it with copies of the last world, so a world's bits do not depend on how many
+    others run. Worlds are split over all local devices.
+    """
+    if isinstance(in_axes, int):
+        count = function.__code__.co_argcount
+        in_axes = (in_axes,) * count
+    return Batched(function, tuple(in_axes), chunk, dense=False)
+
+
+def one_by_one(function: Callable, *, in_axes: tuple[int | None, ...]) -> Batched:
+    """The same for functions of big arrays (a cloud, an image): each device takes one world at a time."""
+    return Batched(function, tuple(in_axes), 1, dense=True)
+
+
+def _round_up(count: int, multiple: int) -> int:
+    return -(-count // multiple) * multiple
+
+
+def _pad(x, worlds: int):
+    x = jnp.asarray(x)
+    missing = worlds - x.shape[0]
+    return x if missing == 0 else jnp.concatenate([x, jnp.repeat(x[-1:], missing, axis=0)])
+
+
+def _vectorised(function, leaves, tree, axes, chunk):
+    """Plain vmap: on GPUs XLA does well as it is."""
+
+    def flat_function(*flat):
+        return function(*jax.tree.unflatten(tree, flat))
+
+    return jax.vmap(flat_function, in_axes=tuple(0 if b else None for b in axes))(*leaves)
+
+
+def _batch_last_chunk(function, leaves, tree, axes, chunk):
+    """The same for CPUs, with barriers and the worlds as the last axis."""
+
+    def flat_function(*flat):
+        return function(*jax.tree.unflatten(tree, flat))
+
+    one = [jax.ShapeDtypeStruct(x.shape[1:] if b else x.shape, x.dtype) for x, b in zip(leaves, axes, strict=True)]
+    jaxpr, shape = jax.make_jaxpr(flat_function, return_shape=True)(*one)
+    values = [Value(jnp.moveaxis(x, 0, -1) if b else x, b) for x, b in zip(leaves, axes, strict=True)]
+    out = batch_last(jaxpr, values, chunk)
+    arrays = [spread(v, s.shape, chunk) for v, s in zip(out, jax.tree.leaves(shape), strict=True)]
+    return jax.tree.unflatten(jax.tree.structure(shape), [jnp.moveaxis(x, -1, 0) for x in arrays])

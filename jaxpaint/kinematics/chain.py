@@ -1,0 +1,107 @@
+"""A serial chain of hinges and slides: where its frames are, and how they move."""
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from jaxpaint.kinematics.pose import Pose
+from jaxpaint.kinematics.rotations import compose, cross, rotate
+
+
+class KinematicChain(eqx.Module):
+    """A chain from the map to a tool, as a product of exponentials in local frames.
+
+    T_map_tool = prod_i [T_i exp(q_i xi)] T_tool, where xi turns about (hinge) or moves along (slide) the local z:
+    whoever makes a chain folds the direction of each axis into the fixed T_i.
+
+    R_offset, p_offset: T_i, the frame of joint i at zero seen from the frame before. R_tool, p_tool: T_tool seen
+    from the last frame. kinds: "hinge" or "slide". names: of the joints.
+    """
+
+    R_offset: Float[Array, "joints 3 3"]
+    p_offset: Float[Array, "joints 3"]
+    R_tool: Float[Array, "3 3"]
+    p_tool: Float[Array, "3"]
+    kinds: tuple[str, ...] = eqx.field(static=True)
+    names: tuple[str, ...] = eqx.field(static=True)
+
+    @property
+    def size(self) -> int:
+        """The number of joints."""
+        return len(self.kinds)
+
+
+def frames(chain: KinematicChain, q: Float[Array, " joints"]) -> Pose:
+    """T_map_i for the frame behind each joint, stacked: p [joints, 3], R [joints, 3, 3]; joint i acts along its z."""
+    R, p = _joint_transforms(chain, q)
+    p_map, R_map = [p[0]], [R[0]]
+    for i in range(1, chain.size):
+        p_map.append(p_map[-1] + rotate(R_map[-1], p[i]))
+        R_map.append(compose(R_map[-1], R[i]))
+    return Pose(jnp.stack(p_map), jnp.stack(R_map))
+
+
+def _joint_transforms(chain: KinematicChain, q):
+    """T_i exp(q_i xi) of every joint at once."""
+    hinges = _hinges(chain)
+    angle = jnp.where(hinges, q, 0)
+    c, s = jnp.cos(angle)[:, None], jnp.sin(angle)[:, None]
+    x, y, z = chain.R_offset[..., 0], chain.R_offset[..., 1], chain.R_offset[..., 2]
+    R = jnp.stack([c * x + s * y, c * y - s * x, z], axis=-1)
+    return R, chain.p_offset + (q - angle)[:, None] * z
+
+
+def _hinges(chain: KinematicChain) -> np.ndarray:
+    return np.array([kind == "hinge" for kind in chain.kinds])
+
+
+def tool_pose(chain: KinematicChain, links: Pose) -> Pose:
+    """T_map_tool from the chain's frames."""
+    return Pose(links.p[-1], links.R[-1]) @ Pose(chain.p_tool, chain.R_tool)
+
+
+def forward(chain: KinematicChain, q: Float[Array, " joints"]) -> Pose:
+    """T_map_tool at joint positions q [rad, m]."""
+    return tool_pose(chain, frames(chain, q))
+
+
+def jacobian(chain: KinematicChain, q: Float[Array, " joints"]) -> tuple[Pose, Float[Array, "6 joints"]]:
+    """T_map_tool and its geometric Jacobian: J q' = (linear velocity of the tool's origin, angular velocity), in map.
+
+    Rows as MuJoCo's mj_jacSite: three linear [m/s], three angular [rad/s].
+    """
+    links = frames(chain, q)
+    pose = tool_pose(chain, links)
+    axis = links.R[..., 2]
+    hinges = _hinges(chain)[:, None]
+    linear = jnp.where(hinges, cross(axis, pose.p[None] - links.p), axis)
+    return pose, jnp.concatenate([linear, jnp.where(hinges, axis, 0)], axis=-1).T
+
+
+def arm_chain(chain: KinematicChain, q_base: Float[Array, " base"]) -> KinematicChain:
+    """The chain with its first joints held at `q_base`: what remains, still seen from the map."""
+    held = q_base.shape[0]
+    base = KinematicChain(
+        R_offset=chain.R_offset[:held],
+        p_offset=chain.p_offset[:held],
+        R_tool=chain.R_offset[held],
+        p_tool=chain.p_offset[held],
+        kinds=chain.kinds[:held],
+        names=chain.names[:held],
+    )
+    first = forward(base, q_base)
+    return KinematicChain(
+        R_offset=jnp.concatenate([first.R[None], chain.R_offset[held + 1 :]]),
+        p_offset=jnp.concatenate([first.p[None], chain.p_offset[held + 1 :]]),
+        R_tool=chain.R_tool,
+        p_tool=chain.p_tool,
+        kinds=chain.kinds[held:],
+        names=chain.names[held:],
+    )
+
+
+def with_tool(chain: KinematicChain, T_tool_new: Pose) -> KinematicChain:
+    """The same joints carrying another tool frame, given in the present one: a camera beside the brush, say."""
+    tool = Pose(chain.p_tool, chain.R_tool) @ T_tool_new
+    return eqx.tree_at(lambda c: (c.p_tool, c.R_tool), chain, (tool.p, tool.R))

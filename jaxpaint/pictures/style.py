@@ -1,0 +1,70 @@
+"""Which elements show ink: the cascade of attributes, style sheets and style attributes."""
+
+import re
+from dataclasses import dataclass
+
+from svgelements import Color
+
+from jaxpaint.pictures.markup import Element
+from jaxpaint.pictures.stylesheet import Style, StyleSheet, declarations
+
+_INHERITED = ("color", "fill", "fill-opacity", "stroke", "stroke-opacity", "stroke-width", "visibility")
+_OWN = ("clip-path", "display", "mask", "opacity", "transform")
+_KNOWN = frozenset(_INHERITED + _OWN)
+_AMOUNT = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(%|[a-zA-Z]*)\s*")
+
+
+@dataclass(frozen=True)
+class Paint:
+    """Whether a shape's area and its line show, and whether the area has the colour of paper."""
+
+    fill: bool
+    stroke: bool
+    paper: bool
+
+
+def cascade(element: Element, parent: Style, sheet: StyleSheet) -> Style:
+    """The style of an element: what its parent hands down, its attributes, the sheet, its style attribute."""
+    inherited = {key: value for key, value in parent.items() if key in _INHERITED}
+    style = dict(inherited)
+    inline = declarations(element.attributes.get("style", ""))
+    for settings in (element.attributes, sheet.settings(element), inline):
+        for key in _KNOWN & settings.keys():
+            value = settings[key].strip()
+            style[key] = inherited.get(key, "") if value == "inherit" else value
+    return {key: value for key, value in style.items() if value not in ("", "initial")}
+
+
+def is_shown(style: Style) -> bool:
+    """Whether an element and what is below it can show at all."""
+    return style.get("display", "").lower() != "none" and _amount(style.get("opacity"), 1.0) > 0
+
+
+def paint(style: Style) -> Paint:
+    """What of a shape shows; every colour but full transparency counts as ink."""
+    if style.get("visibility", "").lower() in ("hidden", "collapse"):
+        return Paint(fill=False, stroke=False, paper=False)
+    fill = _shows(style, "fill", default="black")
+    stroke = _shows(style, "stroke", default="none") and _amount(style.get("stroke-width"), 1.0) > 0
+    return Paint(fill, stroke, paper=fill and _colour(style, "fill", "black") in ("white", "#fff", "#ffffff"))
+
+
+def _amount(value: str | None, default: float) -> float:
+    """A number or percentage as CSS has it; what is neither is the default."""
+    match = _AMOUNT.fullmatch(value or "")
+    if match is None:
+        return default
+    return float(match[1]) / (100 if match[2] == "%" else 1)
+
+
+def _shows(style: Style, key: str, default: str) -> bool:
+    colour = _colour(style, key, default)
+    if colour in ("none", "transparent") or _amount(style.get(f"{key}-opacity"), 1.0) <= 0:
+        return False
+    # Only these two forms carry transparency; gradients and patterns are ink.
+    return not colour.startswith(("#", "rgba", "hsla")) or Color(colour).alpha != 0
+
+
+def _colour(style: Style, key: str, default: str) -> str:
+    colour = style.get(key, default).lower()
+    return style.get("color", "black").lower() if colour == "currentcolor" else colour

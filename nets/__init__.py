@@ -1,0 +1,1 @@
+"""Networks that refine clouds. Nothing is exported yet: AGN follows."""

@@ -1,0 +1,1 @@
+"""The quadratic program, the whole-body controller, tuning."""

@@ -1,0 +1,56 @@
+"""The trajectory controller: base and arm follow their own plans on one clock (S1 section IV-A)."""
+
+import equinox as eqx
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from jaxpaint.kinematics.chain import KinematicChain, forward
+from jaxpaint.kinematics.steering import wrap
+from opt.controller import Command, Controller, Decision, Measured
+from opt.plan import Samples
+from opt.wbc.base_motion import body_twist
+
+# The wheels turn towards where the base will go this much later [s].
+_LEAD = 0.6
+# Base speeds below this are not corrected: odometry might not see the correction, which would never end [m/s].
+_WORTH_MEASURING = 0.01
+
+
+class TrajectoryMemory(eqx.Module):
+    """Nothing: the plan and the present measurement say all."""
+
+
+class TrajectoryController(Controller):
+    """Feeds planned velocities forward, with feedback on odometry and encoders, each joint for itself.
+
+    The arm does not make good what the base misses: that is what the whole-body controller is for.
+
+    plan: rows of 9 positions (base x, y, yaw in the map frame, arm), then 9 velocities. pen: rows of one number.
+    gain: feedback [1/s].
+    """
+
+    chain: KinematicChain
+    plan: Samples
+    pen: Samples
+    gain: Float[Array, ""]
+    duration: Float[Array, ""]
+
+    def initial(self, measured: Measured) -> TrajectoryMemory:
+        """Nothing to remember."""
+        return TrajectoryMemory()
+
+    def decide(self, memory: TrajectoryMemory, measured: Measured, clock, dt) -> tuple[Decision, TrajectoryMemory]:
+        """One control step."""
+        row, since = self.plan.at(clock)
+        q, velocity = row[:9] + since * row[9:], row[9:]
+        off = jnp.concatenate([q[:2] - measured.base[:2], wrap(q[2:3] - measured.base[2:]), q[3:] - measured.arm])
+        wanted = velocity + self.gain * off
+        moving = (jnp.abs(velocity[:3]) > _WORTH_MEASURING).any()
+        base = jnp.where(moving, wanted[:3], velocity[:3])
+        steer = jnp.where(moving, base, self.plan.at(clock + _LEAD)[0][9:12])
+        yaw = measured.base[2]
+        command = Command(body_twist(base, yaw), body_twist(steer, yaw), wanted[3:])
+        zero = jnp.zeros_like(clock)
+        pen = self.pen.at(clock)[0][0]
+        decision = Decision(command, zero + 1, forward(self.chain, q).p, pen, zero, jnp.int32(0))
+        return decision, memory

@@ -1,0 +1,54 @@
+"""The numbers of the whole-body controller."""
+
+import equinox as eqx
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+
+class ControllerSettings(eqx.Module):
+    """Gains and weights; every leaf is traced.
+
+    position_gain, orientation_gain: pose feedback on odometry [1/s]. slack_cost: of the task rows in the brush
+    frame, three linear [s^2/m^2] and three angular [s^2/rad^2]; the last is the spin about the brush, which
+    paint does not see. arm_effort [s^2/rad^2], base_effort (x, y: [s^2/m^2]; yaw: [s^2/rad^2]): diagonal of M
+    in S1-(10). manipulability: weight of its gradient in C. base_follow: weight that draws the base to the
+    demanded velocity while the low-speed rule is on; without the rule effort and manipulability alone decide how
+    base and arm share the motion, as in S1's reference [26]. damper_start, damper_stop: distances from a joint limit at which the velocity damper of S1's reference [26] begins and at
+    which no approach is left [rad]. arm_speed: share of the maker's speed limits in use. hold_error: error at
+    which the path's clock has stopped [m]; it slows from half of that. yaw_lever: metres that count like one
+    radian in base travel. qp_smoothing: see `solve_qp`.
+    """
+
+    position_gain: Float[Array, ""]
+    orientation_gain: Float[Array, ""]
+    slack_cost: Float[Array, "6"]
+    arm_effort: Float[Array, "6"]
+    base_effort: Float[Array, "3"]
+    manipulability: Float[Array, ""]
+    base_follow: Float[Array, ""]
+    damper_start: Float[Array, ""]
+    damper_stop: Float[Array, ""]
+    arm_speed: Float[Array, ""]
+    hold_error: Float[Array, ""]
+    yaw_lever: Float[Array, ""]
+    qp_smoothing: Float[Array, ""]
+
+
+def default_settings() -> ControllerSettings:
+    """The settings that every published figure of this project uses."""
+    numbers = {
+        "position_gain": 4.0,
+        "orientation_gain": 4.0,
+        "slack_cost": [1e4, 1e4, 1e4, 1e3, 1e3, 1e-1],
+        "arm_effort": [0.01] * 6,
+        "base_effort": [0.02, 0.02, 0.02],
+        "manipulability": 0.01,
+        "base_follow": 1.0,
+        "damper_start": 0.5,
+        "damper_stop": 0.05,
+        "arm_speed": 0.5,
+        "hold_error": 0.02,
+        "yaw_lever": 0.3,
+        "qp_smoothing": 0.0,
+    }
+    return ControllerSettings(**{name: jnp.asarray(value) for name, value in numbers.items()})

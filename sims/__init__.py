@@ -1,0 +1,1 @@
+"""Robots, scenes, sensors, paint and worlds: what is simulated, truth included."""

@@ -1,0 +1,54 @@
+"""One controller's plan as the other's: what a forced or unexpected decision needs."""
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float, Int
+
+from jaxpaint.compiling import batched
+from jaxpaint.kinematics.chain import KinematicChain, jacobian
+from sims.odometry import Slip
+from sims.painting.drive import BrushPlan, JointPlan, drive
+from sims.painting.job import PAINT, Job
+from sims.rollout import RECORD_EVERY
+from sims.worlds import World, standing
+
+_STATION_EVERY = 25
+
+
+def joints_for_brush(job: Job, plan: BrushPlan, worlds: World, index: Int[Array, " worlds"]) -> JointPlan:
+    """A joint plan that paints the path: what the whole-body controller does where nothing slips.
+
+    The robot plans with its model of itself, from what it believes of its posture.
+    """
+    still = jax.tree.map(jnp.zeros_like, job.noise.odometry)
+    ideal = eqx.tree_at(lambda j: j.noise.odometry, job, still)
+    one = jnp.ones_like(worlds.slip.travel)
+    wheels = worlds.wheels.angle.shape[-1]
+    twin = jax.vmap(lambda base, arm, slip: standing(base, arm, slip, wheels))(
+        worlds.odometry, worlds.arm, Slip(one, one, 0 * one)
+    )
+    record = drive(ideal, plan, twin, index, PAINT).record
+    q = np.concatenate([record.odometry, record.arm], axis=-1)
+    step = float(job.dt) * RECORD_EVERY
+    speed = np.concatenate([np.diff(q, axis=1) / step, np.zeros_like(q[:, :1])], axis=1)
+    rows = jnp.asarray(np.concatenate([q, speed], axis=-1))
+    length = jnp.asarray(record.live.sum(axis=1) * step, rows.dtype)
+    return JointPlan(rows, jnp.asarray(record.pen[..., None]), jnp.full_like(length, step), length)
+
+
+def _brush_row(chain: KinematicChain, row: Float[Array, "18"]) -> Float[Array, "19"]:
+    pose, J = jacobian(chain, row[:9])
+    twist = (J * row[9:]).sum(-1)
+    return jnp.concatenate([pose.p, pose.R.reshape(-1), twist, jnp.zeros(1, row.dtype)])
+
+
+_BRUSH_ROW = batched(_brush_row, in_axes=(None, 0), chunk=256)
+
+
+def brush_for_joints(job: Job, plan: JointPlan) -> BrushPlan:
+    """The brush path of a joint plan, pen up, with its base poses as stations."""
+    worlds, count, width = plan.rows.shape
+    rows = _BRUSH_ROW(job.robot.chain, plan.rows.reshape(-1, width)).reshape(worlds, count, -1)
+    return BrushPlan(rows, plan.rows[:, ::_STATION_EVERY, :3], plan.step * _STATION_EVERY, plan.duration)

@@ -1,0 +1,132 @@
+"""Runs a plan in many worlds, block after block, until every world is done."""
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float, Int
+
+from jaxpaint.compiling import batched
+from jaxpaint.kinematics.chain import KinematicChain
+from opt.plan import Samples
+from opt.trajectory import TrajectoryController
+from opt.wbc import WholeBodyController
+from sims.painting.job import Job
+from sims.rollout import RECORD_EVERY, Record, RolloutState, run_block, start
+from sims.worlds import World
+
+# Control steps of a block: 8 s. Shorter wastes less on worlds that are done, longer calls less often.
+_BLOCK = 400
+# A world may take this much longer than planned, waiting for the base, before it is given up.
+_PATIENCE = 1.5
+# Feedback of the trajectory controller [1/s].
+_TRAJECTORY_GAIN = 2.0
+
+
+class JointPlan(NamedTuple):
+    """Rows of 9 positions and 9 velocities every `step` [s], rows of the pen, and how long it takes [s]."""
+
+    rows: Float[Array, "t 18"]
+    pen: Float[Array, "t 1"]
+    step: Float[Array, ""]
+    duration: Float[Array, ""]
+
+
+class BrushPlan(NamedTuple):
+    """Rows of `opt.wbc.Reference` every control step, base stations every `station_step` [s], duration [s]."""
+
+    rows: Float[Array, "t 19"]
+    stations: Float[Array, "s 3"]
+    station_step: Float[Array, ""]
+    duration: Float[Array, ""]
+
+
+class Driven(NamedTuple):
+    """States at the end and records of all worlds; records have axes [worlds, time]."""
+
+    state: RolloutState
+    record: Record
+    completed: np.ndarray
+
+
+def _trajectory(job: Job, plan: JointPlan) -> TrajectoryController:
+    gain = jnp.asarray(_TRAJECTORY_GAIN, plan.rows.dtype)
+    chain: KinematicChain = job.robot.chain
+    return TrajectoryController(chain, Samples(plan.rows, plan.step), Samples(plan.pen, plan.step), gain, plan.duration)
+
+
+def _whole_body(job: Job, plan: BrushPlan) -> WholeBodyController:
+    return WholeBodyController(
+        job.limits,
+        job.settings,
+        job.thresholds,
+        Samples(plan.rows, job.dt),
+        Samples(plan.stations, plan.station_step),
+        job.speed,
+        jnp.ones_like(job.dt),
+        plan.duration,
+    )
+
+
+def _starts(controller: Callable) -> Callable:
+    return lambda job, plan, world: start(controller(job, plan), world)
+
+
+def _blocks(controller: Callable) -> Callable:
+    def block(job: Job, plan, state: RolloutState, world: Int[Array, ""], number: Int[Array, "2"]):
+        key = jax.random.fold_in(job.key(world, number[0]), number[1])
+        return run_block(
+            controller(job, plan), job.limits, job.noise.odometry, job.dt, state, key, records=_BLOCK // RECORD_EVERY
+        )
+
+    return block
+
+
+_START = {
+    JointPlan: batched(_starts(_trajectory), in_axes=(None, 0, 0)),
+    BrushPlan: batched(_starts(_whole_body), in_axes=(None, 0, 0)),
+}
+_BLOCKS = {
+    JointPlan: batched(_blocks(_trajectory), in_axes=(None, 0, 0, 0, None)),
+    BrushPlan: batched(_blocks(_whole_body), in_axes=(None, 0, 0, 0, None)),
+}
+
+
+def drive(
+    job: Job,
+    plan: JointPlan | BrushPlan,
+    worlds: World,
+    index: Int[Array, " worlds"],
+    purpose: int,
+    advance: Callable[[float], None] = lambda share: None,
+) -> Driven:
+    """Follows `plan` (leaves with a leading worlds axis) in every world.
+
+    purpose: of the random numbers. advance: told the share of the planned time that each block added.
+    """
+    kind = type(plan)
+    state = _START[kind](job, plan, worlds)
+    duration = np.asarray(plan.duration)
+    longest = float(np.max(duration, initial=0.0, where=np.isfinite(duration)))
+    records, done = [], 0.0
+    for number in range(max(1, math.ceil(_PATIENCE * longest / (_BLOCK * float(job.dt))) + 1)):
+        state, record = _BLOCKS[kind](job, plan, state, index, jnp.array([purpose, number], jnp.int32))
+        records.append(jax.tree.map(np.asarray, record))
+        live = (np.asarray(state.clock) < duration) & (np.asarray(state.diverged_at) < 0)
+        share = min(1.0, float(np.mean(np.asarray(state.clock))) / max(longest, 1e-9))
+        advance(share - done)
+        done = share
+        if not live.any():
+            break
+    advance(1 - done)
+    record = jax.tree.map(lambda *parts: np.concatenate(parts, axis=1), *records)
+    completed = (np.asarray(state.clock) >= duration) & (np.asarray(state.diverged_at) < 0)
+    return Driven(state, record, completed)
+
+
+def compile_seconds() -> float:
+    """Seconds that compiling the programs of this module took so far."""
+    return sum(program.compile_s for program in [*_START.values(), *_BLOCKS.values()])

@@ -1,0 +1,80 @@
+"""From the scanned cloud to a plan: the picture on the surface, timed, with base stations (S1 section III-B)."""
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float, Int
+
+from jaxpaint.compiling import one_by_one
+from jaxpaint.mapping.mapped import count_by_cause
+from jaxpaint.mapping.raycast import cast
+from jaxpaint.mapping.timeline import BrushPath, PathSettings, plan_path, sample
+from jaxpaint.planning import StationSettings, plan_stations
+from sims.painting.drive import BrushPlan
+from sims.painting.job import Job
+from sims.painting.scan import steps_for
+
+# Every so many control steps a base station is planned.
+_STATION_EVERY = 25
+# Seconds of the path that a station serves, and the least distance of the base's middle from the wall [m].
+_HORIZON, _CLEARANCE = 12.0, 0.55
+# One point in so many of the cloud stands for the surface where distances to it are asked.
+_SPARSE = 80
+
+
+class Painting(NamedTuple):
+    """What one world is going to paint.
+
+    path: on the surface. causes: number of points by `Cause`. obstacles: sparse points of the surface (NaN is no
+    point). plan: for the whole-body controller.
+    """
+
+    path: BrushPath
+    causes: Int[Array, " causes"]
+    obstacles: Float[Array, "m 3"]
+    plan: BrushPlan
+
+
+def map_picture(job: Job, cloud: Float[Array, "n 3"], valid: Bool[Array, " n"]):
+    """The picture's strokes on one world's cloud, as a timed path."""
+    mapped = cast(job.picture, job.canvas, cloud, valid, job.mapping)
+    obstacles = jnp.where(valid[::_SPARSE, None], cloud[::_SPARSE], jnp.nan)
+    settings = PathSettings(speed=job.speed)
+    path = plan_path(mapped, job.stroke, job.canvas.u_axis, settings, obstacles=obstacles)
+    return path, count_by_cause(path.status), obstacles
+
+
+def brush_rows(job: Job, path: BrushPath, count: Int[Array, " t"]) -> Float[Array, "t 19"]:
+    """The path at every control step, as rows of `opt.wbc.Reference`."""
+    timed = sample(path, job.dt, count.shape[0])
+    flat = timed.rotation.reshape(-1, 9)
+    pen = timed.pen[:, None].astype(flat.dtype)
+    return jnp.concatenate([timed.position, flat, timed.velocity, timed.angular_velocity, pen], axis=1)
+
+
+def stations(job: Job, rows: Float[Array, "t 19"], obstacles: Float[Array, "m 3"]) -> Float[Array, "s 3"]:
+    """Base poses along the path."""
+    coarse = rows[::_STATION_EVERY]
+    real = jnp.isfinite(obstacles).all(-1)
+    time = jnp.arange(coarse.shape[0]) * job.dt * _STATION_EVERY
+    settings = StationSettings(jnp.asarray(_HORIZON), jnp.asarray(_CLEARANCE))
+    surface = jnp.where(real[:, None], obstacles, 0.0)
+    return plan_stations(
+        time, coarse[:, :3], coarse[:, 5:12:3], coarse[:, 18], surface, real.astype(rows.dtype), job.limits.home, settings
+    )
+
+
+_MAP = one_by_one(map_picture, in_axes=(None, 0, 0))
+_ROWS = one_by_one(brush_rows, in_axes=(None, 0, None))
+_STATIONS = one_by_one(stations, in_axes=(None, 0, 0))
+
+
+def plan_painting(job: Job, cloud: Float[Array, "w n 3"], valid: Bool[Array, "w n"]) -> Painting:
+    """Maps and plans in all worlds."""
+    path, causes, obstacles = _MAP(job, cloud, valid)
+    count = steps_for(job, np.asarray(path.end))
+    rows = _ROWS(job, path, jnp.zeros(count, jnp.int32))
+    places = _STATIONS(job, rows, obstacles)
+    step = jnp.full(path.end.shape, job.dt * _STATION_EVERY)
+    return Painting(path, causes, obstacles, BrushPlan(rows, places, step, path.end))

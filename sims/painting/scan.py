@@ -1,0 +1,174 @@
+"""Scanning the wall: viewpoints, how the robot reaches them, and what it sees there (S1 section II)."""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float, Int
+
+from jaxpaint.compiling import batched, one_by_one
+from jaxpaint.kinematics.chain import arm_chain, forward
+from jaxpaint.kinematics.ik import solve, spread_starts
+from jaxpaint.kinematics.pose import Pose
+from jaxpaint.trajectories import clearance
+from sims.odometry import draw_slip
+from sims.painting.drive import Driven, JointPlan
+from sims.painting.job import DEPTH, SLIP, START, Job, base_before
+from sims.painting.motion import SETTLE, motion_duration, motion_rows, plan_motion, rest_times
+from sims.rollout import RECORD_EVERY
+from sims.sensors import crop_to_canvas, merge_views, observe, render, thin
+from sims.worlds import World, standing
+
+# Points of a world's merged cloud: a static budget.
+MAX_POINTS = 40_000
+# Starts of the inverse kinematics.
+_STARTS = 6
+# The body keeps this far from the canvas' plane while it scans: nothing more is known of the wall yet [m].
+_GUARD = 0.0
+
+
+class ScanPlan(NamedTuple):
+    """The motion through all viewpoints: its plan, when the camera looks [s], whether every view can be reached,
+    and the least gap between the body and the canvas' plane on the way [m]."""
+
+    plan: JointPlan
+    look: Float[Array, " views"]
+    reachable: Bool[Array, ""]
+    gap: Float[Array, ""]
+
+
+class View(NamedTuple):
+    """Camera poses of one world's views: true and believed."""
+
+    true: Pose
+    believed: Pose
+
+
+def starting_world(job: Job, index: Int[Array, ""]) -> World:
+    """A robot near the first stop, at home, with this world's slip; odometry starts where it stands."""
+    nominal = base_before(job.canvas, job.stops[0], job.limits.home)
+    offset = job.noise.start * jax.random.normal(job.key(index, START), (3,), nominal.dtype)
+    slip = draw_slip(job.noise.odometry, key=job.key(index, SLIP))
+    return standing(nominal + offset, job.robot.home, slip, job.limits.steering.position.shape[0])
+
+
+def view_pose(job: Job, uv: Float[Array, "2"]) -> Pose:
+    """T_map_camera of a view: before the canvas, along its rays, upright."""
+    canvas = job.canvas
+    R = jnp.stack([canvas.u_axis, -canvas.v_axis, canvas.ray], axis=1)
+    return Pose(canvas.to_map(uv) - job.view_distance * canvas.ray, R)
+
+
+def plan_scan(job: Job, world: World) -> tuple[Float[Array, "w 9"], Bool[Array, ""]]:
+    """Waypoints from the start through all views, and whether every view can be reached.
+
+    The first stop is where the robot stands; for the others it drives.
+    """
+    spread = spread_starts(job.robot.home, job.robot.lower, job.robot.upper, count=_STARTS)
+
+    def visit(q_before, view):
+        uv, stop = view
+        nominal = base_before(job.canvas, stop, job.limits.home)
+        base = jnp.where(stop == job.stops[0], world.odometry, nominal)
+        chain = arm_chain(job.robot.camera_chain, base)
+        starts = jnp.concatenate([q_before[None], spread])
+        found = solve(chain, starts, view_pose(job, uv), job.robot.lower, job.robot.upper)
+        return found.q, (jnp.concatenate([base, found.q]), found.converged)
+
+    _, (stops, converged) = jax.lax.scan(visit, world.arm, (job.views, job.stops))
+    here = jnp.concatenate([world.odometry, world.arm])
+    return jnp.concatenate([here[None], stops]), converged.all()
+
+
+def time_scan(job: Job, waypoints: Float[Array, "w 9"]):
+    """The motion through the waypoints, when the robot looks, how long it takes, and its gap to the canvas."""
+    trajectory = plan_motion(job, waypoints, jnp.ones(waypoints.shape[0], bool))
+    looks = rest_times(trajectory)[1:] + SETTLE / 2
+    coarse = motion_rows(trajectory, motion_duration(trajectory) / 24, 25)[:, :9]
+
+    def before_canvas(p):
+        return -job.canvas.to_canvas(p)[1]
+
+    gap = clearance(job.robot.chain, job.robot.spheres, coarse, before_canvas).min() - _GUARD
+    return trajectory, looks, motion_duration(trajectory), gap
+
+
+_WORLDS = batched(starting_world, in_axes=(None, 0))
+_PLAN = batched(plan_scan, in_axes=(None, 0))
+_TIME = batched(time_scan, in_axes=(None, 0))
+
+
+def _rows(job: Job, trajectory, count: Int[Array, " t"]) -> Float[Array, "t 18"]:
+    return motion_rows(trajectory, job.dt, count.shape[0])
+
+
+_ROWS = one_by_one(_rows, in_axes=(None, 0, None))
+
+
+def start_worlds(job: Job, index: np.ndarray) -> World:
+    """The worlds of those indices."""
+    return _WORLDS(job, jnp.asarray(index, jnp.int32))
+
+
+def scan_motion(job: Job, worlds: World) -> ScanPlan:
+    """Plans the scan in all worlds."""
+    waypoints, reachable = _PLAN(job, worlds)
+    trajectory, looks, duration, gap = _TIME(job, waypoints)
+    return ScanPlan(joint_plan(job, trajectory, duration), looks, reachable, gap)
+
+
+def joint_plan(job: Job, trajectory, duration) -> JointPlan:
+    """Trajectories of all worlds, sampled at the control period."""
+    count = steps_for(job, duration)
+    rows = _ROWS(job, trajectory, jnp.zeros(count, jnp.int32))
+    worlds = rows.shape[0]
+    return JointPlan(rows, jnp.zeros((worlds, 1, 1)), jnp.full((worlds,), job.dt), duration)
+
+
+def steps_for(job: Job, duration, *, multiple: int = 500) -> int:
+    """Rows for the longest of the durations, rounded up so that few sizes are ever compiled."""
+    longest = float(np.max(np.where(np.isfinite(duration), duration, 0.0)))
+    return multiple * max(1, int(np.ceil((longest / float(job.dt) + 2) / multiple)))
+
+
+def _views(job: Job, q_true: Float[Array, "views 9"], q_believed: Float[Array, "views 9"]) -> View:
+    camera = job.robot.camera_chain
+
+    def poses(rows):
+        found = [forward(camera, q) for q in rows]
+        return Pose(jnp.stack([f.p for f in found]), jnp.stack([f.R for f in found]))
+
+    return View(poses(q_true), poses(q_believed))
+
+
+_VIEWS = batched(_views, in_axes=(None, 0, 0))
+
+
+def _see(job: Job, view: View, index: Int[Array, ""]):
+    """The cloud of one world, in the map frame as the robot believes it."""
+
+    def look(pose, number):
+        picture = render(job.scene, job.camera, pose.p, pose.R)
+        key = jax.random.fold_in(job.key(index, DEPTH), number)
+        return observe(picture, job.camera, job.noise.depth, key=key)
+
+    pictures = jax.lax.map(lambda x: look(*x), (view.true, jnp.arange(job.views.shape[0])))
+    cloud, valid = merge_views(job.camera, pictures.depth, pictures.valid, view.believed.p, view.believed.R)
+    valid = crop_to_canvas(cloud, valid, job.canvas)
+    return thin(cloud, valid, MAX_POINTS)
+
+
+_SEE = one_by_one(_see, in_axes=(None, 0, 0))
+
+
+def see(job: Job, scan: ScanPlan, driven: Driven, index: np.ndarray):
+    """Clouds [worlds, points, 3] and which points are real, from where the robot truly stood when it looked."""
+    record = driven.record
+    row = np.rint(np.asarray(scan.look) / (float(job.dt) * RECORD_EVERY)).astype(int)
+    row = np.clip(row, 0, record.base.shape[1] - 1)[..., None]
+    arm = np.take_along_axis(record.arm, row, axis=1)
+    true = np.concatenate([np.take_along_axis(record.base, row, axis=1), arm], axis=-1)
+    believed = np.concatenate([np.take_along_axis(record.odometry, row, axis=1), arm], axis=-1)
+    view = _VIEWS(job, jnp.asarray(true), jnp.asarray(believed))
+    return _SEE(job, view, jnp.asarray(index, jnp.int32))

@@ -1,0 +1,105 @@
+"""The robot's body, read from the geoms of a compiled MuJoCo model: spheres for clearance, and the footprint."""
+
+from collections.abc import Sequence
+from itertools import product
+
+import jax.numpy as jnp
+import mujoco
+import numpy as np
+
+from jaxpaint.kinematics import Spheres
+from sims.robots.model import body_frames, link_frames, matrix
+
+_EDGE_SPACING = 0.2  # [m] at most, between two points of a box's edge
+_PICTURE_GROUP = 2  # geoms of this group are there to be looked at: MuJoCo Menagerie's convention
+
+
+def spheres_from_model(model: mujoco.MjModel, joints: Sequence[int]) -> Spheres:
+    """The body as spheres that ride on `joints`.
+
+    Capsules and cylinders become rows of spheres along their axis, a radius apart (a cylinder's flat ends gain a
+    radius), boxes points along their edges, everything else one sphere. Left out: geoms of group 2 (pictures), and
+    those whose name begins with `brush`, which touches the wall on purpose.
+    """
+    links, bodies = link_frames(model, joints), body_frames(model)
+    frame, center, radius = [], [], []
+    for geom in range(model.ngeom):
+        link = _link_of(model, int(model.geom_bodyid[geom]), joints)
+        if link is None or model.geom_group[geom] == _PICTURE_GROUP or _is_brush(model, geom):
+            continue
+        points, r = _cover(model, geom)
+        T = np.linalg.inv(links[link]) @ bodies[model.geom_bodyid[geom]] @ _geom_frame(model, geom)
+        center.append(_moved(T, points))
+        frame += [link] * len(points)
+        radius += [r] * len(points)
+    return Spheres(
+        frame=jnp.asarray(np.array(frame, dtype=np.int32)),
+        center=jnp.asarray(np.concatenate([*center, np.zeros((0, 3))])),
+        radius=jnp.asarray(np.array(radius, dtype=float)),
+    )
+
+
+def footprint_from_model(model: mujoco.MjModel, joints: Sequence[int], base_size: int) -> np.ndarray:
+    """Corners [4, 2] of the rectangle around what the arm does not carry, wheels at zero. Base frame, m."""
+    bodies = body_frames(model)
+    to_base = np.linalg.inv(bodies[model.jnt_bodyid[joints[base_size - 1]]])
+    corners = [np.zeros((1, 3))]
+    for geom in range(model.ngeom):
+        body = int(model.geom_bodyid[geom])
+        if _link_of(model, body, joints) != base_size - 1:
+            continue
+        box = model.geom_aabb[geom, :3] + model.geom_aabb[geom, 3:] * _corner_signs()
+        corners.append(_moved(to_base @ bodies[body] @ _geom_frame(model, geom), box))
+    points = np.concatenate(corners)[:, :2]
+    (x0, y0), (x1, y1) = points.min(0), points.max(0)
+    return np.array([[x1, y1], [x0, y1], [x0, y0], [x1, y0]])
+
+
+def _link_of(model: mujoco.MjModel, body: int, joints: Sequence[int]) -> int | None:
+    """Which of the joints carries a body, as its place among them; None for what is fixed to the world."""
+    while body > 0:
+        mine = [k for k, j in enumerate(joints) if model.jnt_bodyid[j] == body]
+        if mine:
+            return mine[-1]
+        body = model.body_parentid[body]
+    return None
+
+
+def _is_brush(model: mujoco.MjModel, geom: int) -> bool:
+    return model.geom(geom).name.startswith("brush")
+
+
+def _cover(model: mujoco.MjModel, geom: int) -> tuple[np.ndarray, float]:
+    """Points [n, 3] in the geom's frame and their radius."""
+    size, kind = model.geom_size[geom], mujoco.mjtGeom(int(model.geom_type[geom]))
+    if kind in (mujoco.mjtGeom.mjGEOM_CAPSULE, mujoco.mjtGeom.mjGEOM_CYLINDER):
+        radius, half = float(size[0]), float(size[1])
+        count = int(np.ceil(2 * half / radius)) + 1
+        return np.linspace([0, 0, -half], [0, 0, half], count), radius
+    if kind == mujoco.mjtGeom.mjGEOM_BOX:
+        return _edge_points(size), 0.0
+    return np.zeros((1, 3)), float(model.geom_rbound[geom])
+
+
+def _edge_points(half: np.ndarray) -> np.ndarray:
+    rows = []
+    for axis in range(3):
+        count = int(np.ceil(2 * half[axis] / _EDGE_SPACING)) + 1
+        for signs in product((-1, 1), repeat=2):
+            edge = np.zeros((count, 3))
+            edge[:, axis] = np.linspace(-half[axis], half[axis], count)
+            edge[:, [k for k in range(3) if k != axis]] = np.array(signs) * np.delete(half, axis)
+            rows.append(edge)
+    return np.unique(np.concatenate(rows).round(9), axis=0)
+
+
+def _corner_signs() -> np.ndarray:
+    return np.array(list(product((-1, 1), repeat=3)), dtype=float)
+
+
+def _geom_frame(model: mujoco.MjModel, geom: int) -> np.ndarray:
+    return matrix(model.geom_pos[geom], model.geom_quat[geom])
+
+
+def _moved(T: np.ndarray, points: np.ndarray) -> np.ndarray:
+    return points @ T[:3, :3].T + T[:3, 3]

@@ -1,0 +1,110 @@
+"""A captured surface as a body that rays meet."""
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from sims.scenes.heightmap import HeightMap
+from sims.scenes.hits import Hit
+from sims.scenes.primitives import AbstractPrimitive
+from sims.scenes.textures import AbstractTexture
+
+_BISECTIONS = 12
+
+
+class HeightField(AbstractPrimitive):
+    """A height map seen from the robot's side.
+
+    A ray is marched in `steps` equal steps through the slab [near, far] that holds all of the surface, on
+    the depths of single cells; where it has sunk below them it is bisected on the smooth surface, and a
+    last Newton step carries the gradient. Where the surface was not captured the ray stops without a
+    reading, as it does at the rim of an object: what is behind is not known either. Things thinner than a
+    step may be stepped over.
+    """
+
+    surface: HeightMap
+    near: Float[Array, ""]
+    far: Float[Array, ""]
+    texture: AbstractTexture
+    steps: int = eqx.field(static=True, default=64)
+
+    def intersect(self, origin: Float[Array, "3"], direction: Float[Array, "3"]) -> Hit:
+        enter, leave = self._span(origin, direction)
+        crosses = enter < leave
+        low, high, sinks = self._march(origin, direction, enter, leave)
+        distance = self._refine(origin, direction, low, high)
+        point = origin + distance * direction
+        uv = jnp.stack([-point[1], point[2]])
+        _, slopes = self.surface.evaluate(uv)
+        length = jnp.sqrt(1 + slopes[0] ** 2 + slopes[1] ** 2)
+        normal = jnp.stack([-jnp.ones_like(length), -slopes[0], slopes[1]]) / length
+        met = crosses & sinks & (distance > 0)
+        valid = met & self.surface.captured(uv) & (jnp.sum(normal * direction) < 0)
+        return Hit(
+            distance=jnp.where(met, distance, jnp.inf),
+            normal=jnp.where(valid, normal, 0.0),
+            colour=jnp.where(valid, self.texture.colour(uv), 0.0),
+            valid=valid,
+        )
+
+    def _span(
+        self, origin: Float[Array, "3"], direction: Float[Array, "3"]
+    ) -> tuple[Float[Array, ""], Float[Array, ""]]:
+        """Distances at which the ray enters and leaves the box around the surface; enter >= leave: a miss."""
+        lower, upper = self.surface.lower, self.surface.upper
+        low = jnp.stack([self.near, -upper[0], lower[1]]) - origin
+        high = jnp.stack([self.far, -lower[0], upper[1]]) - origin
+        moving = jnp.abs(direction) > 1e-9
+        safe = jnp.where(moving, direction, 1.0)
+        held = (low <= 0) & (high >= 0)
+        one = jnp.where(moving, low / safe, jnp.where(held, -1e6, 1e6))
+        other = jnp.where(moving, high / safe, jnp.where(held, 1e6, -1e6))
+        enter = jnp.maximum(jnp.max(jnp.minimum(one, other)), 0.0)
+        return enter, jnp.min(jnp.maximum(one, other))
+
+    def _march(
+        self,
+        origin: Float[Array, "3"],
+        direction: Float[Array, "3"],
+        enter: Float[Array, ""],
+        leave: Float[Array, ""],
+    ) -> tuple[Float[Array, ""], Float[Array, ""], Array]:
+        """Bracket of the first crossing, one step wider on each side, and whether there is one."""
+        stride = (leave - enter) / self.steps
+        distances = enter + stride * jnp.arange(self.steps + 1, dtype=stride.dtype)
+        points = jax.lax.stop_gradient(origin[None, :] + distances[:, None] * direction[None, :])
+        depths = jax.vmap(self.surface.nearest)(jnp.stack([-points[:, 1], points[:, 2]], axis=1))
+        below = points[:, 0] >= depths
+        first = jnp.argmax(below)
+        bracket = enter + stride * jnp.stack(
+            [jnp.maximum(first - 2, 0), jnp.minimum(first + 1, self.steps)]
+        ).astype(stride.dtype)
+        # A ray that starts below the surface came from behind it.
+        return bracket[0], bracket[1], jnp.any(below) & ~below[0]
+
+    def _refine(
+        self,
+        origin: Float[Array, "3"],
+        direction: Float[Array, "3"],
+        low: Float[Array, ""],
+        high: Float[Array, ""],
+    ) -> Float[Array, ""]:
+        """Bisection on the smooth surface, then Newton, whose last step alone carries gradients."""
+
+        def gap(distance: Float[Array, ""]) -> tuple[Float[Array, ""], Float[Array, ""]]:
+            point = origin + distance * direction
+            depth, slopes = self.surface.evaluate(jnp.stack([-point[1], point[2]]))
+            rate = -slopes[0] * direction[1] + slopes[1] * direction[2] - direction[0]
+            return depth - point[0], rate
+
+        def halve(_: int, bracket: tuple[Array, Array]) -> tuple[Array, Array]:
+            middle = 0.5 * (bracket[0] + bracket[1])
+            above = gap(middle)[0] > 0
+            return jnp.where(above, middle, bracket[0]), jnp.where(above, bracket[1], middle)
+
+        low, high = jax.lax.stop_gradient(jax.lax.fori_loop(0, _BISECTIONS, halve, (low, high)))
+        distance = 0.5 * (low + high)
+        value, rate = gap(distance)
+        steep = jnp.abs(rate) > 1e-3
+        return distance - jnp.where(steep, value / jax.lax.stop_gradient(jnp.where(steep, rate, 1.0)), 0.0)

@@ -1,0 +1,63 @@
+"""What all tests share: two host devices, 64-bit and strict-rank modes, the data beside the repository."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import hypothesis
+import jax
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+
+# Two host devices on any machine, so that splitting worlds over devices is exercised. It must come before the
+# first array is made, so it stands here and not in a fixture.
+jax.config.update("jax_num_cpu_devices", 2)
+
+# Few examples, because each may compile; the same ones each time, because a failure must repeat elsewhere. No
+# deadline: the first example compiles. Function-scoped fixtures are let through for `x64` and `strict_ranks`,
+# which set a mode and hold no state.
+hypothesis.settings.register_profile(
+    "house",
+    max_examples=20,
+    deadline=None,
+    derandomize=True,
+    suppress_health_check=[hypothesis.HealthCheck.too_slow, hypothesis.HealthCheck.function_scoped_fixture],
+)
+hypothesis.settings.load_profile("house")
+
+
+@pytest.fixture(scope="session")
+def shared_data() -> Path:
+    """The folder of real clouds, pictures, maps and meshes; they are not ours to ship."""
+    return _beside_the_repository("data")
+
+
+@pytest.fixture(scope="session")
+def shared_peers() -> Path:
+    """The folder of reference scripts that our own peers are held against."""
+    return _beside_the_repository("peers")
+
+
+def _beside_the_repository(name: str) -> Path:
+    folder = ROOT.parent / "shared" / name
+    if not folder.is_dir():
+        pytest.skip(f"../shared/{name} is absent beside the repository")
+    return folder
+
+
+@pytest.fixture
+def x64() -> Iterator[None]:
+    """Doubles during one test: for finite differences, and to show that code keeps its inputs' dtype."""
+    with jax.enable_x64(True):
+        yield
+
+
+@pytest.fixture
+def strict_ranks() -> Iterator[None]:
+    """Makes implicit broadcasting between ranks an error, for one-world code that should need none.
+
+    Not on everywhere: MJX itself broadcasts (3, 3) with (3,), and for clouds `points - origin` reads best.
+    Strict dtype promotion is not asked for at all: jaxlie, optax and MJX fail under it; `x64` shows as much.
+    """
+    with jax.numpy_rank_promotion("raise"):
+        yield

@@ -1,0 +1,142 @@
+"""What is drawn, where, and what is left out."""
+
+import numpy as np
+import pytest
+
+from jaxpaint.pictures import read_drawing
+
+SQUARE = "M10 10h20v20h-20z"
+
+
+def test_v_is_up(draw):
+    (line,) = draw('<path d="M10 20 L30 60"/>').lines
+    assert line.tolist() == [[10, -20], [30, -60]]
+
+
+@pytest.mark.realdata
+def test_shapes_of_a_real_plotter_file(shared_data):
+    drawing = read_drawing(shared_data / "images" / "all_shapes.svg")
+    circle, box, rounded, ellipse, line, polygon, polyline = drawing.lines
+    np.testing.assert_allclose(np.hypot(*(circle - [50, -200]).T), 40, rtol=1e-5)
+    assert box.tolist() == [[10, -10], [110, -10], [110, -50], [10, -50], [10, -10]]
+    np.testing.assert_allclose([rounded.min(axis=0), rounded.max(axis=0)], [[200, -50], [300, -10]])
+    assert len(rounded) > len(box)
+    np.testing.assert_allclose(np.hypot(*((ellipse - [200, -200]) / [50, 30]).T), 1, rtol=1e-5)
+    assert line.tolist() == [[5, -300], [200, -320]]
+    assert polygon[0].tolist() == polygon[-1].tolist() == [5, -340] and len(polygon) == 5
+    assert len(polyline) == 4
+    assert drawing.closed == (True, True, True, True, False, True, False)
+    assert not any(drawing.filled)
+
+
+@pytest.mark.realdata
+@pytest.mark.parametrize(
+    ("name", "lines", "filled", "ignored"),
+    [
+        ("03042", 3, 0, {"text": 3}),
+        ("04e00", 1, 0, {"text": 1}),
+        ("06c38", 5, 0, {"text": 5}),
+        ("09f8d", 16, 0, {"text": 16}),
+        ("apple", 2, 2, {}),
+        ("arc_with_rotate", 6, 0, {}),
+        ("audi", 8, 8, {}),
+        ("few_beziers", 12, 0, {}),
+        ("gnu", 13, 13, {}),
+        ("julia", 3, 3, {}),
+        ("multilayer", 4, 0, {}),
+        ("opencv", 3, 3, {}),
+        ("python", 4, 4, {}),
+        ("ros", 9, 9, {}),
+        ("rust", 10, 10, {}),
+    ],
+)
+def test_real_files(shared_data, name, lines, filled, ignored):
+    drawing = read_drawing(shared_data / "images" / f"{name}.svg")
+    assert (len(drawing.lines), sum(drawing.filled), drawing.ignored) == (lines, filled, ignored)
+    assert drawing.name == name
+    if filled:
+        assert all(drawing.closed)
+
+
+@pytest.mark.realdata
+def test_circles_of_a_real_logo(shared_data):
+    """Julia's three discs, each a path of relative arcs: circles of radius 5.569 to the tolerance."""
+    for line in read_drawing(shared_data / "images" / "julia.svg").lines:
+        middle = (line.min(axis=0) + line.max(axis=0)) / 2
+        np.testing.assert_allclose(np.hypot(*(line - middle).T), 5.569, atol=2e-4 * 24)
+
+
+def test_a_fill_is_its_closed_outline(draw):
+    drawing = draw('<path d="M10 10h20v20" fill="red" stroke="none"/>')
+    assert drawing.lines[0].tolist() == [[10, -10], [30, -10], [30, -30], [10, -10]]
+    assert drawing.filled == (True,)
+
+
+def test_fill_and_stroke_of_one_shape_count_once(draw):
+    drawing = draw(f'<path d="{SQUARE}" fill="red"/>')
+    assert len(drawing.lines) == 1 and drawing.filled == (True,)
+
+
+@pytest.mark.parametrize(
+    "shape", ['<line x2="9" y2="9"/>', '<path d="M0 0L9 9"/>', '<path d="M0 0L9 9L3 3"/>']
+)
+def test_what_encloses_no_area_is_a_stroke(draw, shape):
+    drawing = draw(shape, head='stroke="black"')
+    assert drawing.filled == (False,) and drawing.closed == (False,)
+
+
+def test_holes_are_outlines_too(draw):
+    drawing = draw('<path d="M0 0h9v9h-9zM3 3h3v3h-3z" fill="black" stroke="none"/>')
+    assert drawing.closed == (True, True) and drawing.filled == (True, True)
+
+
+@pytest.mark.parametrize(
+    "again",
+    [
+        f'<path d="{SQUARE}"/>',
+        '<rect x="10" y="10" width="20" height="20"/>',
+        '<path d="M30 30v-20h-20v20z"/>',
+        '<g transform="translate(5 5) scale(2)"><path d="M2.5 2.5h10v10h-10z"/></g>',
+    ],
+)
+def test_a_line_drawn_twice_counts_once(draw, again):
+    drawing = draw(f'<path d="{SQUARE}"/>{again}<path d="M50 50L60 70"/><path d="M60 70L50 50"/>')
+    assert len(drawing.lines) == 2
+    assert drawing.ignored == {"duplicate": 2}
+
+
+def test_what_is_left_out_is_counted(draw):
+    body = (
+        '<text>a</text><text>b</text><image width="3" height="3"/><path d="M0 0h0"/><use href="other.svg#a"/>'
+    )
+    drawing = draw(f'{body}<g clip-path="url(#c)" mask="url(#m)"><path d="{SQUARE}"/></g>')
+    assert drawing.ignored == {"text": 2, "image": 1, "dot": 1, "use": 1, "clip-path": 1, "mask": 1}
+
+
+def test_paper_under_the_picture_is_not_ink(draw):
+    paper = '<rect width="100%" height="100%" fill="#FFFFFF" stroke="none"/>'
+    assert draw(f'{paper}<path d="{SQUARE}"/>').ignored == {"background": 1}
+    assert len(draw(f'{paper.replace("#FFFFFF", "blue")}<path d="{SQUARE}"/>').lines) == 2
+    assert (
+        len(draw(f'<rect width="9" height="9" fill="white" stroke="none"/><path d="{SQUARE}"/>').lines) == 2
+    )
+
+
+def test_an_ending_at_the_start_closes_a_line(draw):
+    drawing = draw('<path d="M10 10 a5 5 0 0 1 10 0 a5 5 0 0 1 -10 0.00000001"/>')
+    assert drawing.closed == (True,)
+
+
+def test_flattening_is_relative_to_the_drawing(draw):
+    """The same picture in other units has the same points."""
+    small = draw('<circle r="1" cx="3" cy="2"/>')
+    large = draw('<circle r="1000" cx="3000" cy="2000"/>')
+    np.testing.assert_allclose(large.lines[0], small.lines[0] * 1000, rtol=1e-9)
+
+
+def test_utf_16_and_byte_order_marks(tmp_path):
+    text = '<svg xmlns="http://www.w3.org/2000/svg"><path d="M0 0L9 9" stroke="black"/></svg>'
+    for encoding in ("utf-16", "utf-8-sig"):
+        path = tmp_path / "a.svg"
+        path.write_bytes(text.encode(encoding))
+        assert len(read_drawing(path).lines) == 1

@@ -1,0 +1,147 @@
+"""Robots of one's own: what is read, and what is refused."""
+
+import jax
+import jax.numpy as jnp
+import mujoco
+import numpy as np
+import pytest
+
+from jaxpaint.errors import InputError
+from jaxpaint.kinematics import forward, frames, jacobian, sphere_centers
+from sims.robots import chain_from_model, load_robot, robot_model
+
+# Everything that the reference robot does not have: tilted axes, anchors, a reference angle, a slide in the arm.
+ODD = """
+<mujoco><worldbody><body name="b" pos="0.1 0.2 0.3" euler="10 20 30">
+  <joint name="base_x" type="slide" axis="1 0 0"/><joint name="base_y" type="slide" axis="0 1 0"/>
+  <joint name="base_yaw" axis="0 0 1" pos="0.05 0 0"/>
+  <geom name="box" type="box" size="0.3 0.2 0.1" mass="1"/>
+  <body pos="0 0 0.5" euler="0 40 0">
+    <joint name="one" axis="1 2 3" pos="0.1 0.2 0" ref="30"/><joint name="two" axis="0 -1 0.5" pos="0 0 0.1"/>
+    <geom type="capsule" size="0.05 0.2" mass="1"/>
+    <body pos="0.3 0 0"><joint name="three" type="slide" axis="0.6 0 0.8" ref="0.1"/>
+      <geom name="brush" type="sphere" size="0.05" mass="1"/>
+      <site name="brush" pos="0.1 0 0" euler="15 0 5"/><site name="camera" pos="0 0.1 0"/>
+    </body></body></body></worldbody>
+  <keyframe><key name="home" qpos="0 0 0 0.5 0.4 0.2"/></keyframe>
+</mujoco>"""
+
+
+def mujoco_brush(model, q):
+    data = mujoco.MjData(model)
+    data.qpos[:] = q
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_comPos(model, data)
+    J = np.zeros((6, model.nv))
+    mujoco.mj_jacSite(model, data, J[:3], J[3:], model.site("brush").id)
+    return data.site("brush").xpos.copy(), data.site("brush").xmat.reshape(3, 3).copy(), J
+
+
+def test_pose_and_jacobian_equal_mujocos_at_1000_configurations():
+    model, robot = robot_model(), load_robot()
+    rng = np.random.default_rng(1)
+    q = np.concatenate([rng.uniform(-3, 3, (1000, 3)), rng.uniform(-2 * np.pi, 2 * np.pi, (1000, 6))], 1)
+    pose, J = jax.jit(jax.vmap(lambda q: jacobian(robot.chain, q)))(jnp.asarray(q, jnp.float32))
+    assert pose.p.dtype == jnp.float32
+    columns = [model.joint(name).dofadr[0] for name in robot.chain.names]
+    for k in range(1000):
+        full = np.zeros(model.nq)
+        full[[model.joint(name).qposadr[0] for name in robot.chain.names]] = np.asarray(q[k], np.float32)
+        p, R, expected = mujoco_brush(model, full)
+        np.testing.assert_allclose(pose.p[k], p, atol=1e-5)
+        np.testing.assert_allclose(pose.R[k], R, atol=1e-5)
+        np.testing.assert_allclose(J[k], expected[:, columns], atol=1e-5)
+
+
+def test_any_serial_chain_is_read_exactly(x64):
+    model = mujoco.MjModel.from_xml_string(ODD)
+    chain = chain_from_model(model, "brush")
+    assert chain.kinds == ("slide", "slide", "hinge", "hinge", "hinge", "slide")
+    rng = np.random.default_rng(2)
+    read = jax.jit(lambda q: jacobian(chain, q))
+    for q in rng.uniform(-2, 2, (20, 6)):
+        pose, J = read(jnp.asarray(q))
+        p, R, expected = mujoco_brush(model, q)
+        np.testing.assert_allclose(pose.p, p, atol=1e-10)
+        np.testing.assert_allclose(pose.R, R, atol=1e-10)
+        np.testing.assert_allclose(J, expected, atol=1e-10)
+
+
+def test_spheres_ride_where_mujoco_puts_the_geoms(x64, tmp_path):
+    path = tmp_path / "odd.xml"
+    path.write_text(ODD)
+    model, robot = robot_model(path), load_robot(path)
+    q = np.array([0.3, -0.2, 0.7, 0.4, -0.9, 0.2])
+    data = mujoco.MjData(model)
+    data.qpos[:] = q
+    mujoco.mj_kinematics(model, data)
+    centers = np.asarray(sphere_centers(robot.chain, robot.spheres, jnp.asarray(q)))
+    frame = np.asarray(robot.spheres.frame)
+    # the capsule's row, its ends at half its length either side
+    capsule = centers[frame == 4]
+    ends = data.geom_xpos[1] + 0.2 * np.outer([-1, 1], data.geom_xmat[1].reshape(3, 3)[:, 2])
+    np.testing.assert_allclose([capsule[0], capsule[-1]], ends, atol=1e-9)
+    # the box's corners, and nothing of it outside; the brush is not among the spheres
+    local = (centers[frame == 2] - data.geom_xpos[0]) @ data.geom_xmat[0].reshape(3, 3)
+    np.testing.assert_allclose(np.abs(local).max(0), [0.3, 0.2, 0.1], atol=1e-9)
+    assert not (frame == 5).any()
+
+
+def test_defaults_of_a_file_that_says_little(tmp_path):
+    path = tmp_path / "odd.xml"
+    path.write_text(ODD)
+    robot = load_robot(path)
+    np.testing.assert_allclose(robot.speed_limit, [0.5, 0.5, 1.0, *[np.pi] * 3], rtol=1e-6)
+    np.testing.assert_allclose(robot.wheels.position, load_robot().wheels.position)
+    np.testing.assert_allclose(robot.home, [0.5, 0.4, 0.2], rtol=1e-6)
+    np.testing.assert_allclose(robot.T_base_lidar.p, 0)
+
+
+@pytest.mark.parametrize(
+    ("found", "put", "message"),
+    [
+        ('name="base_yaw"', 'name="spin"', "base_yaw.*base_x, base_y, spin"),
+        ('site name="brush"', 'site name="pen"', "no site named 'brush'.*pen, camera"),
+        ('site name="camera"', 'site name="eye"', "no site named 'camera'.*brush, eye"),
+        ('key name="home"', 'key name="away"', "home"),
+        ('type="slide" axis="0 1 0"', 'type="hinge" axis="0 1 0"', "allowed: slide, slide, hinge"),
+        ('<site name="camera"', '<body><joint/><geom size="1"/></body></body><body><site name="camera"', "same link"),
+        ("</mujoco>", "", "odd.xml.*not an MJCF"),
+    ],
+)
+def test_bad_robots_are_named_in_one_line(tmp_path, found, put, message):
+    path = tmp_path / "odd.xml"
+    assert found in ODD
+    path.write_text(ODD.replace(found, put))
+    with pytest.raises(InputError, match=message) as caught:
+        load_robot(path)
+    assert "odd.xml" in str(caught.value) and "\n" not in str(caught.value)
+
+
+def test_a_ball_in_the_arm_is_refused(tmp_path):
+    path = tmp_path / "odd.xml"
+    without_home = ODD[: ODD.index("<keyframe>")] + "</mujoco>"
+    path.write_text(without_home.replace('name="three" type="slide"', 'name="three" type="ball"'))
+    with pytest.raises(InputError, match="'three' is free or a ball"):
+        load_robot(path)
+
+
+def test_no_such_file(tmp_path):
+    with pytest.raises(InputError, match=r"none\.xml.*no such file"):
+        load_robot(tmp_path / "none.xml")
+
+
+def test_a_robot_is_arrays_and_names_alone():
+    robot = load_robot()
+    assert all(isinstance(leaf, jax.Array) and not leaf.weak_type for leaf in jax.tree.leaves(robot))
+    traces = 0
+
+    @jax.jit
+    def tip(robot):
+        nonlocal traces
+        traces += 1
+        return forward(robot.chain, robot.at_home(jnp.zeros(3))).p, frames(robot.chain, robot.at_home(jnp.zeros(3))).p
+
+    tip(robot)
+    tip(jax.tree.map(lambda x: x * 1, robot))
+    assert traces == 1
