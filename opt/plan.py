@@ -7,14 +7,16 @@ from jaxtyping import Array, Float
 
 
 class Samples(eqx.Module):
-    """Rows of numbers at equal steps of time from zero. step [s]."""
+    """Rows of numbers at equal steps of time. step [s]. origin: time of the first row [s]."""
 
     rows: Float[Array, "t k"]
     step: Float[Array, ""]
+    origin: Float[Array, ""]
 
-    def at(self, clock: Float[Array, ""]) -> tuple[Float[Array, "k"], Float[Array, ""]]:
-        """The row that holds at `clock`, and the time since that row [s]; the last row holds for ever."""
+    def at(self, clock: Float[Array, ""]) -> Float[Array, "k"]:
+        """The row at `clock`, between neighbours by straight lines; the first and the last row hold for ever."""
         last = self.rows.shape[0] - 1
-        index = jnp.clip(jnp.floor(clock / self.step + 1e-3), 0, last)
-        row = jax.lax.dynamic_index_in_dim(self.rows, index.astype(jnp.int32), keepdims=False)
-        return row, jnp.where(index < last, clock - index * self.step, 0.0)
+        place = jnp.clip((clock - self.origin) / self.step, 0, last)
+        index = jnp.clip(jnp.floor(place), 0, max(last - 1, 0))
+        pair = jax.lax.dynamic_slice_in_dim(self.rows, index.astype(jnp.int32), min(2, last + 1))
+        return pair[0] + (place - index) * (pair[-1] - pair[0])

@@ -25,13 +25,11 @@ class TrajectoryController(Controller):
 
     The arm does not make good what the base misses: that is what the whole-body controller is for.
 
-    plan: rows of 9 positions (base x, y, yaw in the map frame, arm), then 9 velocities. pen: rows of one number.
-    gain: feedback [1/s].
+    plan: rows of 9 positions (base x, y, yaw in the map frame, arm), 9 velocities, and the pen. gain: feedback [1/s].
     """
 
     chain: KinematicChain
     plan: Samples
-    pen: Samples
     gain: Float[Array, ""]
     duration: Float[Array, ""]
 
@@ -41,16 +39,15 @@ class TrajectoryController(Controller):
 
     def decide(self, memory: TrajectoryMemory, measured: Measured, clock, dt) -> tuple[Decision, TrajectoryMemory]:
         """One control step."""
-        row, since = self.plan.at(clock)
-        q, velocity = row[:9] + since * row[9:], row[9:]
+        row = self.plan.at(clock)
+        q, velocity, pen = row[:9], row[9:18], row[18]
         off = jnp.concatenate([q[:2] - measured.base[:2], wrap(q[2:3] - measured.base[2:]), q[3:] - measured.arm])
         wanted = velocity + self.gain * off
         moving = (jnp.abs(velocity[:3]) > _WORTH_MEASURING).any()
         base = jnp.where(moving, wanted[:3], velocity[:3])
-        steer = jnp.where(moving, base, self.plan.at(clock + _LEAD)[0][9:12])
+        steer = jnp.where(moving, base, self.plan.at(clock + _LEAD)[9:12])
         yaw = measured.base[2]
         command = Command(body_twist(base, yaw), body_twist(steer, yaw), wanted[3:])
         zero = jnp.zeros_like(clock)
-        pen = self.pen.at(clock)[0][0]
         decision = Decision(command, zero + 1, forward(self.chain, q).p, pen, zero, jnp.int32(0))
         return decision, memory

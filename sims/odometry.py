@@ -61,7 +61,8 @@ def true_motion(
     forward = twist * jnp.stack([slip.travel, slip.travel, slip.rotation]) * dt
     wander = jnp.sqrt(travel + 1e-16) * jnp.stack([noise.walk, noise.walk, noise.yaw_walk])
     scrub = turned * jnp.stack([noise.scrub, noise.scrub, noise.yaw_scrub])
-    return (forward + shock * (wander + scrub)).at[2].add(slip.curve * travel)
+    zero = jnp.zeros_like(travel)
+    return forward + shock * (wander + scrub) + jnp.stack([zero, zero, slip.curve * travel])
 
 
 def moved(pose: Float[Array, "3"], motion: Float[Array, "3"]) -> Float[Array, "3"]:

@@ -1,6 +1,8 @@
 """The brush path on the surface in space, with a plan view."""
 
 import dataclasses
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -75,16 +77,19 @@ def _draw_space(axes: Axes3D, path: SurfacePath) -> None:
         *np.moveaxis(surface, -1, 0), rstride=1, cstride=1, color="#e9e4d8", edgecolor="#d5cfc0",
         linewidth=0.25, shade=True, zorder=1,
     )  # fmt: skip
-    axes.add_collection3d(
-        Line3DCollection(strokes(path, down=False), colors=TRAVEL, linewidths=0.8, zorder=2, linestyles="--")
-    )
-    axes.add_collection3d(Line3DCollection(strokes(path, down=True), colors=PAINT, linewidths=1.8, zorder=4))
     tips, directions = brushes(path)
     tails = tips - BRUSH_LENGTH * directions
-    axes.add_collection3d(Line3DCollection(np.stack([tails, tips], 1), colors=SOFT, linewidths=0.7, zorder=3))
+    _draw_lines(axes, strokes(path, down=False), colors=TRAVEL, linewidths=0.8, zorder=2, linestyles="--")
+    _draw_lines(axes, np.stack([tails, tips], 1), colors=SOFT, linewidths=0.7, zorder=3)
+    _draw_lines(axes, strokes(path, down=True), colors=PAINT, linewidths=1.8, zorder=4)
     if len(path.base):
         axes.plot(*path.base.T, 0.0, color=BASE, linewidth=1.6, zorder=2)
     _frame_space(axes, path, tails)
+
+
+def _draw_lines(axes: Axes3D, lines: Sequence[np.ndarray] | np.ndarray, **how: Any) -> None:
+    if len(lines):  # an empty collection has no extent, which matplotlib asks for
+        axes.add_collection3d(Line3DCollection(list(lines), **how))
 
 
 def _frame_space(axes: Axes3D, path: SurfacePath, tails: np.ndarray) -> None:

@@ -54,7 +54,7 @@ def _draw_error(axes: Axes, error: TrackingError) -> None:
     axes.set(
         ylabel="error [mm]",
         title="Tracking error",
-        xlim=(error.time[0], error.time[-1]),
+        xlim=(error.time[0], max(error.time[-1], error.time[0] + 1e-3)),
         ylim=(0, _top(error)),
     )
     axes.legend(loc="upper left", bbox_to_anchor=(0.55, 1.17), ncols=3, borderaxespad=0)

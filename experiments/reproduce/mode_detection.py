@@ -17,7 +17,7 @@ from jaxpaint.decisions.thresholds import Thresholds, default_thresholds
 
 NAME = "mode-detection"
 LISTS = 400
-FIRST_HELD_OUT = 100_000
+FIRST_HELD_OUT = 200_000
 """Lists from this seed on were not looked at when the defaults were chosen."""
 _ROOMS = (64, 512, MOST)
 """Lengths that lists are padded to: one program each."""
@@ -68,14 +68,16 @@ def run(settings: ReproduceSettings | None = None, lists: int = LISTS) -> Reprod
 
 def evaluate(lists: list[PoseList], variant: Variant) -> tuple[np.ndarray, np.ndarray]:
     """Which lists go to the whole-body controller, and their statistic."""
-    program = jax.jit(partial(_decide, statistic=variant.statistic))
     thresholds, settings = default_thresholds(), variant.settings
-    chosen = [program(*_padded(one), thresholds, settings) for one in lists]
+    chosen = [_decide(*_padded(one), thresholds, settings, statistic=variant.statistic) for one in lists]
     whole_body, statistic = np.asarray(jax.device_get(chosen)).T
     return whole_body > 0.5, statistic
 
 
-def _decide(position, rotation, mask, thresholds: Thresholds, settings: ModeSettings, *, statistic: Statistic):
+@partial(jax.jit, static_argnames="statistic")
+def _decide(
+    position, rotation, mask, thresholds: Thresholds, settings: ModeSettings, *, statistic: Statistic
+):
     decision = decide(position, rotation, mask, thresholds, settings, statistic=statistic)
     return decision.whole_body, decision.statistic
 

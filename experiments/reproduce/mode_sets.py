@@ -44,7 +44,8 @@ def draw_list(seed: int) -> PoseList:
 
 
 def _waypoints(rng: np.random.Generator) -> PoseList:
-    """Camera poses on a jittered grid that faces a wall, 3 to 40 of them, in rows, in columns or in any order.
+    """Camera poses on a jittered grid that faces a wall, 3 to 40 of them, in rows, in columns or in any
+    order.
 
     A third of the lists are single rows or columns, as a planner makes them for a canvas one picture high.
     """
@@ -109,7 +110,7 @@ def _letters(rng: np.random.Generator) -> list[np.ndarray]:
     size, word = rng.uniform(0.05, 0.4), rng.choice(list(_LETTERS), rng.integers(1, 7))
     starts = np.arange(len(word)) - len(word) / 2
     return [
-        size * (np.array(line, float) + (1.3 * start, -0.5))
+        size * np.add(line, (1.3 * start, -0.5))
         for letter, start in zip(word, starts, strict=True)
         for line in _LETTERS[str(letter)]
     ]
@@ -137,7 +138,7 @@ _SHAPES: dict[str, Callable[[np.random.Generator], list[np.ndarray]]] = {
 
 
 def _wall(rng: np.random.Generator):
-    """A function from (u, v) in metres of arc length and height over the surface to poses facing it, and its name."""
+    """A function from arc length, height and stand-off [m] to poses that face a wall, and the wall's name."""
     wall = str(rng.choice(_WALLS))
     radius, lean = rng.uniform(0.8, 2.5), rng.uniform(-0.4, 0.4)
 

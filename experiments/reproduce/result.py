@@ -14,9 +14,11 @@ class ReproduceSettings:
 
 @dataclasses.dataclass(frozen=True)
 class Row:
-    """One quantity [SI, or its unit in the name]. variant: `ours`, `literal` = as printed, or a named ablation or rival.
+    """One quantity [SI, or its unit in the name]. variant: `ours`, `literal` = as printed, or a named
+    ablation or rival.
 
-    published: None where the paper's value is not known. low, high: 95 % interval, None where nothing is random.
+    published: None where the paper's value is not known. low, high: 95 % interval, None where nothing is
+    random.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""Neighbours of a ray in a cloud: points binned in square cells across the ray and ordered by depth in each."""
+"""Neighbours of a ray in a cloud: points in square cells across the ray, ordered by depth in each."""
 
 import equinox as eqx
 import jax
@@ -15,8 +15,8 @@ _NOWHERE = np.uint32(0xFFFFFFFF)
 class Cells(eqx.Module):
     """A cloud sorted by cell, and by depth within a cell.
 
-    key: cell row, cell column and depth bin in one number, ascending; invalid points come last.
-    points: the cloud in the same order, a row for each of two coordinates across the ray and the depth along it [m].
+    key: cell row, cell column and depth bin in one number, ascending; invalid points come last. points: the
+    cloud in the same order, a row for each of two coordinates across the ray and the depth along it [m].
     lower: corner of cell (0, 0) [m]. size: side of a cell [m]. near, step: depth of bin 0 and bin width [m].
     """
 

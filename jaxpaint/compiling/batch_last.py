@@ -17,6 +17,8 @@ from jaxpaint.compiling.rules import RULES, Value, fallback
 
 # These cost nothing to repeat, and a barrier would keep them from fusing.
 _FREE = {"broadcast_in_dim", "iota", "reshape", "squeeze", "expand_dims", "convert_element_type", "copy"}
+# Fused into a concatenation or a broadcast, these are evaluated anew for every element of it.
+_COSTLY = {"reduce_sum", "dot_general", "concatenate"}
 
 
 def batch_last(jaxpr: core.ClosedJaxpr, args: Sequence[Value], worlds: int) -> list[Value]:
@@ -32,7 +34,8 @@ def batch_last(jaxpr: core.ClosedJaxpr, args: Sequence[Value], worlds: int) -> l
     for equation in body.eqns:
         results = _evaluate(equation, [read(v) for v in equation.invars], worlds)
         if equation.primitive.name not in _FREE:
-            results = _shield(results, [reads[v] > 1 for v in equation.outvars])
+            costly = equation.primitive.name in _COSTLY
+            results = _shield(results, [costly or reads[v] > 1 for v in equation.outvars])
         env.update(zip(equation.outvars, results, strict=True))
     return [read(v) for v in body.outvars]
 

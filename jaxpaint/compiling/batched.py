@@ -7,14 +7,17 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax.sharding import Mesh, PartitionSpec
+from jax.sharding import Mesh, NamedSharding, PartitionSpec
 
 from jaxpaint.compiling.batch_last import batch_last
 from jaxpaint.compiling.rules import Value, spread
 
 # XLA deletes barriers before it fuses (`cse_barrier_expander`), and splits large operations over a thread
-# pool in a way that can hang for good (`cpu-parallel-task-assigner`); devices are our parallelism.
-CPU_OPTIONS = {"xla_disable_hlo_passes": "cse_barrier_expander,cpu-parallel-task-assigner"}
+# pool in a way that can hang for good (`cpu-parallel-task-assigner`); devices are our parallelism. Small loops it
+# moves into code that knows no barriers (`small-while-loop-hoisting`) and refuses to compile.
+CPU_OPTIONS = {
+    "xla_disable_hlo_passes": "cse_barrier_expander,cpu-parallel-task-assigner,small-while-loop-hoisting"
+}
 # Work on big arrays, one world at a time, needs no barriers; it only must not reach for the thread pool.
 _DENSE_OPTIONS = {"xla_disable_hlo_passes": "cpu-parallel-task-assigner"}
 
@@ -39,27 +42,27 @@ class Batched:
         if len(counts) != 1:
             raise ValueError(f"in_axes: the batched arguments must share one leading size, found {sorted(counts)}")
         worlds = counts.pop()
-        per_device = _round_up(-(-worlds // jax.local_device_count()), self._chunk)
-        padded = per_device * jax.local_device_count()
-        flat = [_pad(x, padded) if batched else x for x, batched in zip(flat, axes, strict=True)]
-        out = self._program(flat, tree, axes, per_device)(*flat)
-        return out if padded == worlds else jax.tree.map(lambda x: x[:worlds], out)
+        mesh = Mesh(np.array(jax.local_devices()), ("worlds",))
+        per_device = _round_up(-(-worlds // mesh.size), self._chunk)
+        padded = per_device * mesh.size
+        placed = [_place(x, padded if split else None, mesh) for x, split in zip(flat, axes, strict=True)]
+        out = self._program(placed, tree, axes, per_device, mesh)(*placed)
+        return out if padded == worlds else jax.tree.map(lambda x: _first(x, worlds, mesh), out)
 
     def _leaf_axes(self, args) -> tuple[bool, ...]:
         return tuple(
             axis is not None for arg, axis in zip(args, self._in_axes, strict=True) for _ in jax.tree.leaves(arg)
         )
 
-    def _program(self, flat, tree, axes, per_device) -> Callable:
-        key = (tree, axes, tuple((np.shape(x), jnp.result_type(x)) for x in flat), jax.config.jax_enable_x64)
+    def _program(self, flat, tree, axes, per_device, mesh) -> Callable:
+        key = (tree, axes, tuple((x.shape, x.dtype) for x in flat), jax.config.jax_enable_x64)
         if key not in self._programs:
             start = time.perf_counter()
-            self._programs[key] = self._compile(flat, tree, axes, per_device)
+            self._programs[key] = self._compile(flat, tree, axes, per_device, mesh)
             self.compile_s += time.perf_counter() - start
         return self._programs[key]
 
-    def _compile(self, flat, tree, axes, per_device) -> Callable:
-        mesh = Mesh(np.array(jax.local_devices()), ("worlds",))
+    def _compile(self, flat, tree, axes, per_device, mesh) -> Callable:
         specs = tuple(PartitionSpec("worlds") if batched else PartitionSpec() for batched in axes)
 
         def body(*leaves):
@@ -115,10 +118,24 @@ def _round_up(count: int, multiple: int) -> int:
     return -(-count // multiple) * multiple
 
 
-def _pad(x, worlds: int):
-    x = jnp.asarray(x)
-    missing = worlds - x.shape[0]
-    return x if missing == 0 else jnp.concatenate([x, jnp.repeat(x[-1:], missing, axis=0)])
+def _place(x, worlds: int | None, mesh: Mesh) -> jax.Array:
+    """An argument where the program wants it: split over the devices after padding to `worlds`, or on all."""
+    if worlds is None:
+        return jax.device_put(jnp.asarray(x), NamedSharding(mesh, PartitionSpec()))
+    missing = worlds - np.shape(x)[0]
+    if missing:
+        x = _on_one(x, mesh)
+        x = (np if isinstance(x, np.ndarray) else jnp).concatenate([x, x[-1:].repeat(missing, axis=0)])
+    return jax.device_put(x, NamedSharding(mesh, PartitionSpec("worlds")))
+
+
+def _first(x: jax.Array, worlds: int, mesh: Mesh):
+    return _on_one(x, mesh)[:worlds]
+
+
+def _on_one(x, mesh: Mesh):
+    """The array where slicing moves nothing between devices: such a collective hangs on busy CPUs (seen)."""
+    return np.asarray(x) if mesh.size > 1 else jnp.asarray(x)
 
 
 def _vectorised(function, leaves, tree, axes, chunk):

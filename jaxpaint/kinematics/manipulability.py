@@ -7,10 +7,8 @@ from jaxpaint.kinematics.rotations import cross
 from jaxpaint.kinematics.small_solve import gram, solve_spd
 
 
-def manipulability(
-    J: Float[Array, "6 joints"], damping: float | Float[Array, ""] = 1e-6
-) -> Float[Array, ""]:
-    """Yoshikawa's measure sqrt(det(J J^T)) = |det J|, of J J^T + damping I; metres and radians as they come."""
+def manipulability(J: Float[Array, "6 joints"], damping: float | Float[Array, ""] = 1e-6) -> Float[Array, ""]:
+    """Yoshikawa's measure sqrt(det(J J^T + damping I)), |det J| where undamped; m and rad as they come."""
     return manipulability_gradient(J, damping)[0]
 
 
@@ -19,15 +17,17 @@ def manipulability_gradient(
 ) -> tuple[Float[Array, ""], Float[Array, " joints"]]:
     """The measure m and dm/dq, from the geometric Jacobian alone.
 
-    dm/dq_k = m tr(A^-1 dJ/dq_k J^T) with A = J J^T + damping I. The columns (v_i, w_i) of J change with joint k as
-    (w_k x v_i, w_k x w_i) for k <= i and as (w_i x v_k, 0) for k > i; with (b_i, c_i) the columns of A^-1 J,
-    the trace is w_k . sum_{i>=k} (v_i x b_i + w_i x c_i) + v_k . sum_{i<k} (b_i x w_i).
+    dm/dq_k = m tr(A^-1 dJ/dq_k J^T) with A = J J^T + damping I. The columns (v_i, w_i) of J change with joint
+    k as (w_k x v_i, w_k x w_i) for k <= i and as (w_i x v_k, 0) for k > i; with (b_i, c_i) the columns of
+    A^-1 J, the trace is w_k . sum_{i>=k} (v_i x b_i + w_i x c_i) + v_k . sum_{i<k} (b_i x w_i).
 
     damping: > 0 keeps the gradient bounded at singular postures.
     """
     A = gram(J) + damping * jnp.eye(6, dtype=J.dtype)
     solved, pivots = solve_spd(A, J)
-    m = jnp.prod(jnp.sqrt(pivots))  # the root of each: their product would underflow where the arm is singular
+    m = jnp.prod(
+        jnp.sqrt(pivots)
+    )  # the root of each: their product would underflow where the arm is singular
     v, w, b, c = J[:3], J[3:], solved[:3], solved[3:]
     outward = _sums_to_tip(cross(v, b, axis=0) + cross(w, c, axis=0))
     inward = _sums_to_tip(cross(b, w, axis=0))
@@ -36,8 +36,10 @@ def manipulability_gradient(
 
 
 def _sums_to_tip(terms: Float[Array, "3 joints"]) -> Float[Array, "3 joints"]:
-    """Column k: the sum of columns k, k + 1, ... by doubling: three operations where a running sum takes six, which
-    XLA would recompute in every column (measured: 3.5 times slower)."""
+    """Column k: the sum of columns k, k + 1, ... by doubling.
+
+    A running sum would be evaluated again in every column (measured: 3.5 times slower in all).
+    """
     reach, size = 1, terms.shape[1]
     while reach < size:
         terms = terms + jnp.concatenate([terms[:, reach:], jnp.zeros_like(terms[:, :reach])], axis=1)

@@ -33,7 +33,8 @@ def _components(v, axis: int):
 def frame_from_axis(z: Float[Array, "3"], x_hint: Float[Array, "3"]) -> Float[Array, "3 3"]:
     """The rotation whose z axis is the unit vector `z` and whose x axis is `x_hint` made orthogonal to it.
 
-    For a brush: z = -normal, x_hint = the canvas's u axis. Undefined where the two are parallel (then x is 0).
+    For a brush: z = -normal, x_hint = the canvas's u axis. Undefined where the two are parallel (then x is
+    0).
     """
     x = x_hint - z * (z * x_hint).sum()
     square = (x * x).sum()
@@ -45,8 +46,8 @@ def frame_from_axis(z: Float[Array, "3"], x_hint: Float[Array, "3"]) -> Float[Ar
 def swing_twist(R: Float[Array, "3 3"]) -> Float[Array, "3"]:
     """The rotation vector (x, y) that swings the z axis into place, and the turn about z left after it [rad].
 
-    R = exp([x, y, 0]) exp([0, 0, turn]). Singular only for a swing of pi, where the direction is undefined and
-    0 is returned.
+    R = exp([x, y, 0]) exp([0, 0, turn]). Singular only for a swing of pi, where the direction is undefined
+    and 0 is returned.
     """
     x, y, cosine = -R[1, 2], R[0, 2], R[2, 2]
     square = x * x + y * y

@@ -8,19 +8,24 @@ from jaxtyping import Array, Float
 
 
 def gram(J: Float[Array, "rows columns"]) -> Float[Array, "rows rows"]:
-    """J J^T as a running sum of outer products: a reduction would be evaluated again in every consumer (measured:
-    three times slower in all)."""
+    """J J^T as a sum of outer products.
+
+    A reduction would be evaluated again in every consumer (measured: three times slower in all).
+    """
     total = J[:, None, 0] * J[None, :, 0]
     for k in range(1, J.shape[1]):
         total = total + J[:, None, k] * J[None, :, k]
     return total
 
 
-def solve_spd(A: Float[Array, "n n"], B: Float[Array, "n m"]) -> tuple[Float[Array, "n m"], Float[Array, " n"]]:
+def solve_spd(
+    A: Float[Array, "n n"], B: Float[Array, "n m"]
+) -> tuple[Float[Array, "n m"], Float[Array, " n"]]:
     """X with A X = B for a symmetric positive definite A, and the pivots, whose product is det A.
 
-    Elimination needs no pivoting then. A pivot smaller than its own rounding error is lifted to it: for a singular A
-    the result is finite, as are its gradients, but meaningless along A's null space; damp A where that matters.
+    Elimination needs no pivoting then. A pivot smaller than its own rounding error is lifted to it: for a
+    singular A the result is finite, as are its gradients, but meaningless along A's null space; damp A where
+    that matters.
     """
     n = A.shape[0]
     floor = n * jnp.finfo(A.dtype).eps * jnp.max(jnp.abs(A)) + jnp.finfo(A.dtype).tiny

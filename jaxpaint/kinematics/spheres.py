@@ -7,7 +7,7 @@ from jaxpaint.kinematics.chain import KinematicChain, frames
 
 
 class Spheres(eqx.Module):
-    """frame: the joint behind which each sphere rides. center: in that frame [m]. radius [m], 0 for a corner."""
+    """frame: the joint behind which each rides. center: in that frame [m]. radius [m], 0 for a corner."""
 
     frame: Int[Array, " spheres"]
     center: Float[Array, "spheres 3"]

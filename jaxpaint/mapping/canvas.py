@@ -36,7 +36,9 @@ class Canvas(eqx.Module):
         """Points of the canvas [m, from its middle] in the map frame."""
         return self.center + uv[..., :1] * self.u_axis + uv[..., 1:] * self.v_axis
 
-    def to_canvas(self, p_map: Float[Array, "*points 3"]) -> tuple[Float[Array, "*points 2"], Float[Array, "*points"]]:
+    def to_canvas(
+        self, p_map: Float[Array, "*points 3"]
+    ) -> tuple[Float[Array, "*points 2"], Float[Array, "*points"]]:
         """Canvas coordinates [m] of points, and their depth along the rays behind the canvas [m]."""
         offset = p_map - self.center
         u, v, depth = ((offset * axis).sum(-1) for axis in (self.u_axis, self.v_axis, self.ray))

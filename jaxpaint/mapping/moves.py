@@ -8,7 +8,7 @@ from jaxpaint.mapping.planes import norm, unit
 from jaxpaint.mapping.time_law import time_for, travelled
 
 _FLATTEST = 0.1
-"""Least height of the bump, as share of its top, that is asked to clear an obstacle: it is zero at its ends."""
+"""Least share of the bump's top that is asked to clear an obstacle: the bump is zero at its ends."""
 
 _SHARE = 0.5**0.5
 """Of the acceleration, for each of two motions at right angles."""
@@ -33,9 +33,9 @@ class MoveSettings(eqx.Module):
 class Move(eqx.Module):
     """A move between two points of the surface, in the map frame.
 
-    start, end: points on the surface [m]. leave, arrive: unit normals there. bump: lift of the way's middle over the
-    straight line [m]. length: the way's length for its time law [m]. rises, lowers: whether it starts and ends on the
-    surface; where not, it starts or ends lifted.
+    start, end: points on the surface [m]. leave, arrive: unit normals there. bump: lift of the way's middle
+    over the straight line [m]. length: the way's length for its time law [m]. rises, lowers: whether it
+    starts and ends on the surface; where not, it starts or ends lifted.
     """
 
     start: Float[Array, "3"]
@@ -57,8 +57,8 @@ def plan_move(
 ) -> Move:
     """The move over the straight line between two lifted points, with a bump where the surface needs it.
 
-    The bump is a parabola along the mean normal. It follows the arc that turns from one normal to the other, as over a
-    cylinder, and clears by the margin every point that counts in the corridor below the way.
+    The bump is a parabola along the mean normal. It follows the arc that turns from one normal to the other,
+    as over a cylinder, and clears by the margin every point that counts in the corridor below the way.
     """
     start, end = ends
     leave, arrive = normals
@@ -98,7 +98,8 @@ def move_time(move: Move, settings: MoveSettings) -> Float[Array, ""]:
 def move_pose(
     move: Move, time: Float[Array, ""], settings: MoveSettings
 ) -> tuple[Float[Array, "3"], Float[Array, "3"]]:
-    """Position [m] and unit normal at a time since the move's start [s]: twice continuously differentiable in time.
+    """Position [m] and unit normal at a time since the move's start [s]: twice continuously differentiable in
+    time.
 
     The way over the surface starts when half of the lift's time is over, and the same before the end.
     """
@@ -118,7 +119,8 @@ def move_pose(
 def _times(move: Move, settings: MoveSettings) -> tuple[Float[Array, ""], Float[Array, ""]]:
     """Time of the lift and of the way over the surface [s].
 
-    The two overlap, each braking or starting at right angles to the other: each has 1 / sqrt(2) of the acceleration.
+    The two overlap, each braking or starting at right angles to the other: each has 1 / sqrt(2) of the
+    acceleration.
     """
     gentle = settings.acceleration * _SHARE
     return time_for(settings.clearance, settings.speed, gentle), time_for(move.length, settings.speed, gentle)

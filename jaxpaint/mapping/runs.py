@@ -5,6 +5,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from jaxpaint.mapping.mapped import Cause, Mapped
+from jaxpaint.mapping.medians import median_of
 from jaxpaint.mapping.planes import norm, unit
 
 _REACH = 24
@@ -28,27 +29,28 @@ def linked(
 ) -> Bool[Array, "P"]:
     """Whether each point continues the one before it on the surface.
 
-    Both are hits of one stroke, no further apart than `jump` times the usual step [-], and their normals differ by no
-    more than `turn` [rad].
+    Both are hits of one stroke, no further apart than `jump` times the usual step [-], and their normals
+    differ by no more than `turn` [rad].
     """
     hit = mapped.status == Cause.HIT
     pair = jnp.zeros_like(hit).at[1:].set(hit[1:] & hit[:-1] & (stroke[1:] == stroke[:-1]))
     step = steps(mapped.p_map)
-    usual = jnp.nanmedian(jnp.where(pair, step, jnp.nan))
+    usual = median_of(step, pair)
     straight = jnp.sum(mapped.normal * jnp.roll(mapped.normal, 1, axis=0), axis=-1) >= jnp.cos(turn)
     return pair & (step <= jump * usual) & straight
 
 
 def steps(p_map: Float[Array, "P 3"]) -> Float[Array, "P"]:
-    """Distance of each point from the one before it [m]; zero for the first, and no gradient where it is zero."""
+    """Distance of each point from the one before it [m]; zero, without gradient, for the first."""
     return jnp.pad(norm(p_map[1:] - p_map[:-1]), (1, 0))
 
 
 def smooth_normals(mapped: Mapped, link: Bool[Array, "P"], length: Float[Array, ""]) -> Mapped:
     """Normals averaged along each run, so that the brush does not nod from point to point.
 
-    A straight line is fitted to each coordinate of the normals about a point, weighted by exp(-s^2 / (2 length^2)) over
-    the distance s along the run [m]: unlike a mean it keeps a steady turn, up to the run's ends.
+    A straight line is fitted to each coordinate of the normals about a point, weighted by exp(-s^2 / (2
+    length^2)) over the distance s along the run [m]: unlike a mean it keeps a steady turn, up to the run's
+    ends.
     """
     number = mapped.status.shape[0]
     index = jnp.arange(number)[:, None] + jnp.arange(-_REACH, _REACH + 1)
@@ -69,7 +71,8 @@ def find_runs(
 ) -> tuple[Runs, Int[Array, "P"]]:
     """The runs in the points' order, and the points' status with what was left out.
 
-    A run shorter than `shortest` [m] is left out as SHORT; runs beyond the `most` that there is room for as OVERFLOW.
+    A run shorter than `shortest` [m] is left out as SHORT; runs beyond the `most` that there is room for as
+    OVERFLOW.
     """
     hit = mapped.status == Cause.HIT
     number = hit.shape[0]

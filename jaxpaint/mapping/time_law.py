@@ -12,8 +12,8 @@ def ramp_time(
 ) -> tuple[Float[Array, "*n"], Float[Array, "*n"]]:
     """Speed that is reached on a way of this length [m/s], and the time to reach it [s].
 
-    The speed rises by the smooth step, which keeps to the acceleration [m/s^2]; a short way never reaches the full
-    speed [m/s].
+    The speed rises by the smooth step, which keeps to the acceleration [m/s^2]; a short way never reaches the
+    full speed [m/s].
     """
     some = length > 0
     shorter = jnp.sqrt(jnp.where(some, length, 1) * acceleration / _STEEPEST)
@@ -32,7 +32,7 @@ def time_for(
 def travelled(
     time: Float[Array, ""], length: Float[Array, ""], speed: Float[Array, ""], acceleration: Float[Array, ""]
 ) -> Float[Array, ""]:
-    """Way done after some time from rest [m], from 0 to the length; its first three derivatives are continuous."""
+    """Way done after some time from rest [m], from 0 to the length, with three continuous derivatives."""
     peak, ramp = ramp_time(length, speed, acceleration)
     brakes = jnp.maximum(length / peak, ramp)
     return jnp.where(length > 0, peak * (_started(time, ramp) - _started(time - brakes, ramp)), 0)

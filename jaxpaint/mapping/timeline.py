@@ -7,7 +7,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from jaxpaint.mapping.mapped import Cause, Mapped
 from jaxpaint.mapping.moves import Move, MoveSettings, move_pose, move_time, plan_move
-from jaxpaint.mapping.planes import norm, unit
+from jaxpaint.mapping.planes import unit
 from jaxpaint.mapping.runs import Runs, find_runs, linked, smooth_normals, steps
 from jaxpaint.mapping.time_law import time_for, travelled
 
@@ -15,9 +15,9 @@ from jaxpaint.mapping.time_law import time_for, travelled
 class PathSettings(eqx.Module):
     """Numbers of the path; all traced.
 
-    speed: of the brush with the pen down [m/s]. acceleration: along the run [m/s^2].
-    jump: a step longer than this many usual steps splits a run [-]. turn: and a turn of the normal beyond this [rad].
-    shortest: runs shorter than this are left out [m]. smoothing: length over which normals are averaged [m].
+    speed: of the brush with the pen down [m/s]. acceleration: along the run [m/s^2]. jump: a step longer than
+    this many usual steps splits a run [-]. turn: and a turn of the normal beyond this [rad]. shortest: runs
+    shorter than this are left out [m]. smoothing: length over which normals are averaged [m].
     """
 
     speed: Float[Array, ""] = eqx.field(default=0.03, converter=jnp.asarray)
@@ -32,9 +32,10 @@ class PathSettings(eqx.Module):
 class BrushPath(eqx.Module):
     """A path T in SE(3) as a function of time: `sample` it, ask its `duration`.
 
-    Move m leads to run m, and the last one off the surface; it starts at `begins[m]` [s] and the run at `draws[m]`.
-    status: a `Cause` for each point, with SHORT and OVERFLOW added. place: way along the runs at each point [m].
-    u_axis: direction that the brush frame's x axis follows. down, travel: length with the pen down and up [m].
+    Move m leads to run m, and the last one off the surface; it starts at `begins[m]` [s] and the run at
+    `draws[m]`. status: a `Cause` for each point, with SHORT and OVERFLOW added. place: way along the runs at
+    each point [m]. u_axis: direction that the brush frame's x axis follows. down, travel: length with the pen
+    down and up [m].
     """
 
     p_map: Float[Array, "P 3"]
@@ -56,8 +57,8 @@ class TimedPath(eqx.Module):
     """The brush in the map frame at each control step.
 
     position [m]; rotation R_map_brush: z into the surface, x along the canvas' u, y = z x x; velocity [m/s];
-    angular_velocity in map axes [rad/s]; pen: 1 down, 0 up; run: the run that is drawn or moved to; live: the path has
-    not ended. After its end the brush stays.
+    angular_velocity in map axes [rad/s]; pen: 1 down, 0 up; run: the run that is drawn or moved to; live: the
+    path has not ended. After its end the brush stays.
     """
 
     position: Float[Array, "T 3"]
@@ -80,10 +81,11 @@ def plan_path(
 ) -> BrushPath:
     """Put the mapped points of all strokes, in painting order, on one clock.
 
-    Pen down on runs of neighbouring hits of one stroke; between them the pen lifts, travels clear of every mapped point
-    and of the `obstacles` (further points of the surface in the map frame [m]; NaN is no point) and comes down again.
-    The path starts over its first point and ends over its last. Runs beyond `max_runs` are left out and their points
-    marked OVERFLOW. A path without runs lasts 0 s and stays over the first point.
+    Pen down on runs of neighbouring hits of one stroke; between them the pen lifts, travels clear of every
+    mapped point and of the `obstacles` (further points of the surface in the map frame [m]; NaN is no point)
+    and comes down again. The path starts over its first point and ends over its last. Runs beyond `max_runs`
+    are left out and their points marked OVERFLOW. A path without runs lasts 0 s and stays over the first
+    point.
     """
     settings = settings or PathSettings()
     link = linked(mapped, stroke, settings.jump, settings.turn)
@@ -106,7 +108,9 @@ def plan_path(
     )  # fmt: skip
 
 
-def _plan_moves(mapped: Mapped, runs: Runs, obstacles: Float[Array, "M 3"] | None, settings: PathSettings) -> Move:
+def _plan_moves(
+    mapped: Mapped, runs: Runs, obstacles: Float[Array, "M 3"] | None, settings: PathSettings
+) -> Move:
     """All pen-up moves: onto the first run, from each run to the next, and off the last one."""
     number = jnp.sum(runs.live)
     slot = jnp.arange(runs.live.shape[0] + 1)
@@ -169,7 +173,8 @@ def _pose(path: BrushPath, time: Float[Array, ""]):
 def _drawn(path: BrushPath, run: Int[Array, ""], time: Float[Array, ""]):
     """Point [m] and unit normal on a run at a time since its start [s]: cubics through the mapped points.
 
-    The speed is constant over the chords between the points; over the cubic it sinks where the run turns sharply.
+    The speed is constant over the chords between the points; over the cubic it sinks where the run turns
+    sharply.
     """
     first, last = path.runs.first[run], path.runs.last[run]
     length = path.place[last] - path.place[first]
@@ -182,12 +187,14 @@ def _drawn(path: BrushPath, run: Int[Array, ""], time: Float[Array, ""]):
 
 
 def _cubic(values: Float[Array, "4 3"], place: Float[Array, "4"], way: Float[Array, ""]) -> Float[Array, "3"]:
-    """Catmull-Rom: the cubic between the middle two of four knots, with the slopes of the chords across each."""
+    """Catmull-Rom: the cubic between the middle two of four knots, with slopes of the chords across each."""
     step = place[2] - place[1]
     step = jnp.where(step > 0, step, 1)
     x = (way - place[1]) / step
     first, last = (
-        (values[k + 1] - values[k - 1]) * step / jnp.where(place[k + 1] > place[k - 1], place[k + 1] - place[k - 1], 1)
+        (values[k + 1] - values[k - 1])
+        * step
+        / jnp.where(place[k + 1] > place[k - 1], place[k + 1] - place[k - 1], 1)
         for k in (1, 2)
     )
     straight = values[2] - values[1]

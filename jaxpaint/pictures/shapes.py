@@ -14,18 +14,20 @@ TAGS = ("circle", "ellipse", "line", "path", "polygon", "polyline", "rect")
 
 MAX_NUMBER = 1e9
 
-_NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
+_NUMBER = re.compile(r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?")
+_SYMBOL = re.compile(rf"{_NUMBER.pattern}|[a-zA-Z]")
 _LENGTH = re.compile(rf"\s*({_NUMBER.pattern})\s*([a-zA-Z%]*)\s*")
 _PATH = re.compile(r"[MmZzLlHhVvCcSsQqTtAa\d\s.,eE+-]*")
 _POINTS = re.compile(r"[\d\s.,eE+-]*")
+_LONGEST = 100  # characters of a length; patterns take quadratic time on absurd ones
 _INCH = 96.0
 _UNITS = {"": 1.0, "px": 1.0, "in": _INCH, "pt": _INCH / 72, "pc": _INCH / 6, "em": 16.0, "ex": 8.0}
 _UNITS |= {"cm": _INCH / 2.54, "mm": _INCH / 25.4, "q": _INCH / 101.6}
 
 
-def numbers_in(element: Element) -> int:
-    """How many numbers the geometry of an element is written with: what reading it will cost."""
-    return sum(1 for key in ("d", "points") for _ in _NUMBER.finditer(element.attributes.get(key, "")))
+def symbols_in(element: Element) -> int:
+    """How many numbers and commands the geometry of an element is written with: what reading it will cost."""
+    return sum(1 for key in ("d", "points") for _ in _SYMBOL.finditer(element.attributes.get(key, "")))
 
 
 def curves_of(element: Element, viewport: tuple[float, float]) -> list[Curve]:
@@ -40,7 +42,7 @@ def curves_of(element: Element, viewport: tuple[float, float]) -> list[Curve]:
 def length(element: Element, name: str, viewport: tuple[float, float], default: str = "0") -> float:
     """An attribute that is a length, in user units."""
     text = _stated(element, name) or default
-    match = _LENGTH.fullmatch(text)
+    match = _LENGTH.fullmatch(text[:_LONGEST])
     if match is None or match[2].lower() not in (*_UNITS, "%"):
         raise InputError(
             f"found {name}='{excerpt(text)}' in <{element.tag}>; allowed is a length such as 12 or 3mm"

@@ -11,7 +11,8 @@ from jaxpaint.pictures.stylesheet import Style, StyleSheet, declarations
 _INHERITED = ("color", "fill", "fill-opacity", "stroke", "stroke-opacity", "stroke-width", "visibility")
 _OWN = ("clip-path", "display", "mask", "opacity", "transform")
 _KNOWN = frozenset(_INHERITED + _OWN)
-_AMOUNT = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(%|[a-zA-Z]*)\s*")
+_AMOUNT = re.compile(r"\s*([-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?)\s*(%|[a-zA-Z]*)\s*")
+_LONGEST = 100  # characters of a number or colour; patterns take quadratic time on absurd ones
 
 
 @dataclass(frozen=True)
@@ -51,7 +52,7 @@ def paint(style: Style) -> Paint:
 
 def _amount(value: str | None, default: float) -> float:
     """A number or percentage as CSS has it; what is neither is the default."""
-    match = _AMOUNT.fullmatch(value or "")
+    match = _AMOUNT.fullmatch((value or "")[:_LONGEST])
     if match is None:
         return default
     return float(match[1]) / (100 if match[2] == "%" else 1)
@@ -62,7 +63,7 @@ def _shows(style: Style, key: str, default: str) -> bool:
     if colour in ("none", "transparent") or _amount(style.get(f"{key}-opacity"), 1.0) <= 0:
         return False
     # Only these two forms carry transparency; gradients and patterns are ink.
-    return not colour.startswith(("#", "rgba", "hsla")) or Color(colour).alpha != 0
+    return not colour.startswith(("#", "rgba", "hsla")) or Color(colour[:_LONGEST]).alpha != 0
 
 
 def _colour(style: Style, key: str, default: str) -> str:

@@ -65,12 +65,12 @@ def _rules(text: str) -> Iterator[tuple[str, Style]]:
     text = _without_comments(text)
     head, depth, start = "", 0, 0
     for mark in re.finditer(r"[{};]", text):
-        inside = text[start : mark.start()]
         depth = max(0, depth + {"{": 1, "}": -1, ";": 0}[mark[0]])
         if mark[0] == "{" and depth == 1:
-            head = inside.strip()
+            head = text[start : mark.start()].strip()
         elif mark[0] == "}" and depth == 0 and not head.startswith("@"):
-            yield from ((selector.strip(), declarations(inside)) for selector in head.split(","))
+            settings = declarations(text[start : mark.start()])
+            yield from ((selector.strip(), settings) for selector in head.split(","))
         if depth == 0 or (mark[0] == "{" and depth == 1):
             start = mark.end()
 

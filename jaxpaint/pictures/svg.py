@@ -11,11 +11,12 @@ from jaxtyping import Float
 from jaxpaint.errors import InputError
 from jaxpaint.pictures.curves import Curve
 from jaxpaint.pictures.markup import MAX_DEPTH, MAX_ELEMENTS, Element, excerpt
-from jaxpaint.pictures.shapes import MAX_NUMBER, TAGS, curves_of, length, numbers_in
+from jaxpaint.pictures.shapes import MAX_NUMBER, TAGS, curves_of, length, symbols_in
 from jaxpaint.pictures.style import cascade, is_shown, paint
 from jaxpaint.pictures.stylesheet import Style, StyleSheet
 
-MAX_NUMBERS = 600_000
+MAX_SYMBOLS = 600_000
+MAX_STYLE = 1_000_000
 MAX_LINES = 20_000
 
 _FUNCTION = r"(?:matrix|translate[XY]?|scale[XY]?|rotate|skew[XY])\s*\((?:[\s\d.,eE+-]|deg|g?rad|turn|px)*\)"
@@ -57,9 +58,9 @@ class SvgReader:
         self.ink: list[Ink] = []
         self.ignored: Counter[str] = Counter()
         elements = list(root.walk())
-        self._sheet = StyleSheet([element.text for element in elements if element.tag == "style"])
+        self._sheet = _style_sheet(elements)
         self._by_id = {element.attributes.get("id", ""): element for element in reversed(elements)}
-        self._visits = self._numbers = 0
+        self._visits = self._symbols = 0
         self._page: Float[np.ndarray, "2 2"] | None = None
         self._visit(root, _Place(np.eye(3), _page_size(root), {}))
 
@@ -132,9 +133,11 @@ class SvgReader:
         shows = paint(place.style)
         if not (shows.fill or shows.stroke):
             return
-        self._numbers += numbers_in(element)
-        if self._numbers > MAX_NUMBERS:
-            raise InputError(f"found more than {MAX_NUMBERS} numbers; allowed are simpler drawings")
+        self._symbols += symbols_in(element)
+        if self._symbols > MAX_SYMBOLS:
+            raise InputError(
+                f"found more than {MAX_SYMBOLS} numbers and commands; allowed are simpler drawings"
+            )
         curves = [curve.moved(place.matrix) for curve in curves_of(element, place.viewport)]
         if shows.paper and not shows.stroke and self._is_page(curves):
             self.ignored["background"] += 1
@@ -161,6 +164,13 @@ class SvgReader:
             (points.min(axis=0) <= self._page[0] + slack).all()
             and (points.max(axis=0) >= self._page[1] - slack).all()
         )
+
+
+def _style_sheet(elements: list[Element]) -> StyleSheet:
+    texts = [element.text for element in elements if element.tag == "style"]
+    if sum(len(text) for text in texts) > MAX_STYLE:
+        raise InputError(f"found style sheets of more than {MAX_STYLE} characters; allowed are shorter ones")
+    return StyleSheet(texts)
 
 
 def _page_size(root: Element) -> tuple[float, float]:

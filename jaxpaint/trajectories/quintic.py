@@ -18,7 +18,7 @@ _PIECES = 8  # into which a polynomial is cut where its peak is bounded
 
 
 class State(eqx.Module):
-    """Position, speed and acceleration of each joint at one time: s(t) of S1 section IV-A [rad, m and per second]."""
+    """Position, speed and acceleration of each joint: s(t) of S1 section IV-A [rad or m, and per second]."""
 
     p: Float[Array, " joints"]
     v: Float[Array, " joints"]
@@ -26,7 +26,7 @@ class State(eqx.Module):
 
 
 class Quintic(eqx.Module):
-    """p(t) = sum_k coefficients[k] (t / duration)^k for t from 0 to duration [s]; a duration of 0 is a rest."""
+    """p(t) = sum_k coefficients[k] (t / duration)^k, t from 0 to duration [s]; a duration of 0 is a rest."""
 
     coefficients: Float[Array, "6 joints"]
     duration: Float[Array, ""]
@@ -35,7 +35,7 @@ class Quintic(eqx.Module):
 def rest_duration(
     distance: Float[Array, " joints"], v_max: Float[Array, " joints"], a_max: Float[Array, " joints"]
 ) -> Float[Array, ""]:
-    """The shortest time [s] of a quintic from rest to rest, all joints together, within both limits; 0 for no way."""
+    """The shortest time [s] of a quintic from rest to rest within both limits, all joints together."""
     away = jnp.abs(distance)
     by_speed = _PEAK_SPEED * away / v_max
     share = _PEAK_ACCELERATION * away / a_max
@@ -83,12 +83,14 @@ def fastest_quintic(
 ) -> tuple[Quintic, Bool[Array, ""]]:
     """A quintic between two states within the limits, near the shortest, and whether there is one.
 
-    Durations from 1 ms on are tried, 4.5 % apart; longer is not always gentler when the ends move, so the first that
-    holds is taken. Where none holds, the longest is returned.
+    Durations from 1 ms on are tried, 4.5 % apart; longer is not always gentler when the ends move, so the
+    first that holds is taken. Where none holds, the longest is returned.
     """
     way = end.p - start.p
     change = jnp.abs(end.v - start.v) / a_max
-    least = jnp.maximum(jnp.maximum((jnp.abs(way) / v_max).max(), change.max()), rest_duration(way, v_max, a_max) / 4)
+    least = jnp.maximum(
+        jnp.maximum((jnp.abs(way) / v_max).max(), change.max()), rest_duration(way, v_max, a_max) / 4
+    )
     least = jnp.maximum(least, 1e-3)
     durations = least * jnp.asarray(_SPAN ** (np.arange(_TRIALS) / (_TRIALS - 1)), way.dtype)
     holds = jax.vmap(lambda duration: _within(quintic(start, end, duration), v_max, a_max))(durations)
@@ -97,22 +99,31 @@ def fastest_quintic(
 
 
 def _within(curve: Quintic, v_max, a_max) -> Bool[Array, ""]:
-    """Whether the polynomial keeps both limits at every time: a polynomial lies between its Bernstein coefficients."""
+    """Whether both limits are kept at every time: a polynomial lies between its Bernstein coefficients."""
     order = np.arange(6)[:, None]
     speed = (order * curve.coefficients)[1:] / curve.duration
     acceleration = (order * (order - 1) * curve.coefficients)[2:] / curve.duration**2
     slack = 1 + 1e-5  # a state at the limit is within it
     within_speed = jnp.abs(jnp.asarray(_bernstein(4), speed.dtype) @ speed) <= v_max * slack
-    return (within_speed.all(0) & (jnp.abs(jnp.asarray(_bernstein(3), speed.dtype) @ acceleration) <= a_max * slack).all(0)).all()
+    return (
+        within_speed.all(0)
+        & (jnp.abs(jnp.asarray(_bernstein(3), speed.dtype) @ acceleration) <= a_max * slack).all(0)
+    ).all()
 
 
 def _bernstein(degree: int) -> np.ndarray:
-    """Takes a polynomial's coefficients on [0, 1] to its Bernstein coefficients on each of `_PIECES` equal pieces."""
+    """From a polynomial's coefficients on [0, 1] to its Bernstein coefficients on each of the pieces."""
     rows = []
     for piece in range(_PIECES):
         u, h = piece / _PIECES, 1 / _PIECES
         # x = u + h y on the piece: first the coefficients in y, then Bernstein's
-        shifted = [[comb(k, i) * u ** (k - i) * h**i if i <= k else 0.0 for k in range(degree + 1)] for i in range(degree + 1)]
-        raised = [[comb(j, i) / comb(degree, i) if i <= j else 0.0 for i in range(degree + 1)] for j in range(degree + 1)]
+        shifted = [
+            [comb(k, i) * u ** (k - i) * h**i if i <= k else 0.0 for k in range(degree + 1)]
+            for i in range(degree + 1)
+        ]
+        raised = [
+            [comb(j, i) / comb(degree, i) if i <= j else 0.0 for i in range(degree + 1)]
+            for j in range(degree + 1)
+        ]
         rows.append(np.array(raised) @ np.array(shifted))
     return np.concatenate(rows)

@@ -11,8 +11,8 @@ from jaxpaint.trajectories.quintic import State, rest_duration, rest_progress
 class Trajectory(eqx.Module):
     """Quintics from rest to rest between waypoints, on one clock.
 
-    points: the waypoints; those that were masked out repeat the one before. start: when each segment begins [s], and
-    when the last one ends. A segment without way takes no time.
+    points: the waypoints; those that were masked out repeat the one before. start: when each segment begins
+    [s], and when the last one ends. A segment without way takes no time.
     """
 
     points: Float[Array, "waypoints joints"]
@@ -35,9 +35,10 @@ def plan(
     v_max: Float[Array, " joints"],
     a_max: Float[Array, " joints"],
 ) -> Trajectory:
-    """The shortest motion through the waypoints that `mask` keeps, straight in joint space, all joints together.
+    """The shortest motion through the waypoints that `mask` keeps, straight in joint space, in step.
 
-    Limits in rad/s or m/s, and per second. The first waypoint is kept whatever its mask says: it is where one starts.
+    Limits in rad/s or m/s, and per second. The first waypoint is kept whatever its mask says: it is where one
+    starts.
     """
     points = _forward_fill(waypoints, mask)
     durations = jax.vmap(lambda way: rest_duration(way, v_max, a_max))(points[1:] - points[:-1])
@@ -52,10 +53,10 @@ def plan_base_and_arm(
     *,
     base_size: int = 3,
 ) -> Trajectory:
-    """Base and arm planned apart, then put on one clock: each segment takes as long as the slower of the two needs.
+    """Base and arm planned apart, then put on one clock: a segment takes as long as the slower of them needs.
 
-    Slowing down keeps the limits, so both arrive together (S1's command adapter). The base's first two joints are a
-    position in the plane: their limits hold for its length, whatever the direction.
+    Slowing down keeps the limits, so both arrive together (S1's command adapter). The base's first two joints
+    are a position in the plane: their limits hold for its length, whatever the direction.
     """
     points = _forward_fill(waypoints, mask)
     ways = points[1:] - points[:-1]
@@ -67,7 +68,7 @@ def plan_base_and_arm(
 def sample(trajectory: Trajectory, t: Float[Array, ""]) -> State:
     """The state at time t [s]; at rest at either end before and after."""
     start, durations = trajectory.start, trajectory.segments
-    # the last segment that has begun and takes time; a sum and a maximum, since searching does not vectorise
+    # the last segment that has begun and takes time; a maximum, since searching does not vectorise
     index = jnp.arange(durations.shape[0])
     segment = jnp.where((start[:-1] <= t) & (durations > 0), index, 0).max()
     moving = durations[segment] > 0
@@ -79,7 +80,7 @@ def sample(trajectory: Trajectory, t: Float[Array, ""]) -> State:
 
 
 def _forward_fill(waypoints, mask):
-    """Each waypoint, or the last kept one before it; what a masked one holds, NaN included, is not looked at."""
+    """Each waypoint, or the last kept one before it; what a masked one holds, NaN included, is ignored."""
 
     def keep(last, row):
         point, kept = row
@@ -99,7 +100,9 @@ def _base_duration(way, v_max, a_max):
     slowest = jnp.minimum(v_max[0], v_max[1])[None]
     gentlest = jnp.minimum(a_max[0], a_max[1])[None]
     size = way.shape[0]
-    return rest_duration(line, jnp.concatenate([slowest, v_max[2:size]]), jnp.concatenate([gentlest, a_max[2:size]]))
+    return rest_duration(
+        line, jnp.concatenate([slowest, v_max[2:size]]), jnp.concatenate([gentlest, a_max[2:size]])
+    )
 
 
 def _on_clock(points, durations) -> Trajectory:

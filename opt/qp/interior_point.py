@@ -73,7 +73,9 @@ def _step(problem: QuadraticProgram, point: Iterate, smoothing: Float[Array, ""]
     ahead = _advance(point, guess, jnp.minimum(_longest(point, guess), 1.0))
     mean_ahead = (ahead.gap_upper * ahead.dual_upper + ahead.gap_lower * ahead.dual_lower).sum() / count
     target = jnp.maximum(mean * (mean_ahead / mean) ** 3, smoothing)
-    final = direction(target + guess.x * guess.dual_upper, target - guess.x * guess.dual_lower)
+    # On the central path itself the predictor's curvature is no error: without this the end would miss it.
+    bend = jnp.maximum(1 - smoothing / mean, 0.0) * guess.x
+    final = direction(target + bend * guess.dual_upper, target - bend * guess.dual_lower)
     return _advance(point, final, jnp.minimum(_TO_BOUND * _longest(point, final), 1.0))
 
 

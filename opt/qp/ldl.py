@@ -17,7 +17,7 @@ def weighted_gram(jacobian: Float[Array, "m n"], weight: Float[Array, "n"], ridg
     """Columns, from the diagonal down, of J diag(w) J' + diag(ridge)."""
     weighted = jacobian * weight
     columns = [(weighted[j] * jacobian[j:]).sum(-1) for j in range(jacobian.shape[0])]
-    return [column.at[0].add(ridge[j]) for j, column in enumerate(columns)]
+    return [jnp.concatenate([column[:1] + ridge[j], column[1:]]) for j, column in enumerate(columns)]
 
 
 def factor(columns: list[Array]) -> LDL:

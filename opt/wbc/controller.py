@@ -18,8 +18,6 @@ from opt.wbc.settings import ControllerSettings
 from opt.wbc.task import Reference, brush_rows
 
 QP_ITERATIONS = 9
-# Columns of the reference's rows.
-REFERENCE_COLUMNS = 19
 
 
 class RobotLimits(eqx.Module):
@@ -79,7 +77,7 @@ class WholeBodyController(Controller):
         error = _length(planned.position - pose.p)
         rate = self.pace * jnp.clip(2 - 2 * error / self.settings.hold_error, 0.0, 1.0)
         reference = planned._replace(velocity=planned.velocity * rate, angular_velocity=planned.angular_velocity * rate)
-        demand = self._demand(memory, measured, reference, self.stations.at(clock)[0], dt)
+        demand = self._demand(memory, measured, reference, self.stations.at(clock), dt)
         rows = brush_rows(pose.p, pose.R, jac, reference, self.settings)
         cost, linear = self._costs(jac, demand)
         bounds = joined(self._base_bounds(memory, demand, dt), self._arm_bounds(memory, measured, dt))
@@ -100,7 +98,7 @@ class WholeBodyController(Controller):
             brush=reference.position[:2],
             heading=jnp.arctan2(axis[1], axis[0]),
             speed=jnp.maximum(self.speed, _length(reference.velocity)),
-            travelled=_length(step.at[2].multiply(lever)),
+            travelled=_length(jnp.stack([step[0], step[1], lever * step[2]])),
         )
         return demand_base(
             situation,
@@ -142,9 +140,8 @@ class WholeBodyController(Controller):
 
 def read_reference(samples: Samples, clock: Float[Array, ""]) -> Reference:
     """The reference at plan time `clock`."""
-    row, since = samples.at(clock)
-    velocity = row[12:15]
-    return Reference(row[:3] + since * velocity, row[3:12].reshape(3, 3), velocity, row[15:18], row[18])
+    row = samples.at(clock)
+    return Reference(row[:3], row[3:12].reshape(3, 3), row[12:15], row[15:18], row[18])
 
 
 def _length(vector: Float[Array, "n"]) -> Float[Array, ""]:

@@ -1,7 +1,6 @@
 """The cells on the wall that hold paint."""
 
 import math
-from functools import partial
 from typing import Self
 
 import equinox as eqx
@@ -15,6 +14,7 @@ from jaxpaint.mapping.canvas import Canvas
 from sims.scenes.scene import Scene
 
 _OFF_WALL = 0.010  # what is hit further than this from the chart's surface is something else [m]
+_RAYS = 4096  # that are cast at once
 
 
 class PaintGrid(eqx.Module):
@@ -50,7 +50,7 @@ class PaintGrid(eqx.Module):
 
 
 def canvas_extent(
-    scene: Scene, canvas: Canvas, *, margin: float, samples: int = 65
+    scene: Scene, canvas: Canvas, *, margin: float, samples: int = 64
 ) -> tuple[np.ndarray, np.ndarray]:
     """Lowest and highest (u, v) of the wall that the canvas's rays meet, with a margin [m]; host only.
 
@@ -58,11 +58,8 @@ def canvas_extent(
     """
     half = 0.5 * np.asarray(canvas.size)
     across = [np.linspace(-h, h, samples) for h in half]
-    uv_canvas = np.stack(np.meshgrid(*across), axis=-1).reshape(-1, 2)
-
-    trace = jax.jit(jax.vmap(partial(pose_on_wall, scene, canvas)))
-    uv_wall, valid = trace(jnp.asarray(uv_canvas, canvas.size.dtype))
-    met = np.asarray(uv_wall)[np.asarray(valid)]
+    uv_wall, valid = pose_all_on_wall(scene, canvas, np.stack(np.meshgrid(*across), axis=-1).reshape(-1, 2))
+    met = uv_wall[valid]
     if not len(met):
         raise InputError("--canvas-pose: no ray of the canvas meets the wall; place it in front of the wall")
     lower = np.maximum(met.min(0) - margin, np.asarray(scene.chart.lower))
@@ -81,3 +78,23 @@ def pose_on_wall(
     hit = scene.raycast(origin, canvas.ray)
     uv, height = scene.chart.to_uv(origin + jnp.where(hit.valid, hit.distance, 0) * canvas.ray)
     return uv, hit.valid & (jnp.abs(height) < _OFF_WALL) & scene.chart.on_surface(uv)
+
+
+def pose_all_on_wall(
+    scene: Scene, canvas: Canvas, uv_canvas: Float[np.ndarray, "points 2"]
+) -> tuple[Float[np.ndarray, "points 2"], Bool[np.ndarray, "points"]]:
+    """`pose_on_wall` for many points, host only; always as many at a time, so one compilation a scene."""
+    starts = range(0, len(uv_canvas), _RAYS)
+    parts = [_pose_rays(scene, canvas, _padded(uv_canvas[k : k + _RAYS], canvas)) for k in starts]
+    uv, valid = (np.concatenate([np.asarray(part[i]) for part in parts]) for i in (0, 1))
+    return uv[: len(uv_canvas)], valid[: len(uv_canvas)]
+
+
+@jax.jit
+def _pose_rays(scene: Scene, canvas: Canvas, uv_canvas: Float[Array, "rays 2"]):
+    return jax.vmap(lambda uv: pose_on_wall(scene, canvas, uv))(uv_canvas)
+
+
+def _padded(uv_canvas: np.ndarray, canvas: Canvas) -> Float[Array, "rays 2"]:
+    missing = _RAYS - len(uv_canvas)
+    return jnp.asarray(np.pad(uv_canvas, ((0, missing), (0, 0)), mode="edge"), canvas.size.dtype)

@@ -33,14 +33,14 @@ def joints_for_brush(job: Job, plan: BrushPlan, worlds: World, index: Int[Array,
     q = np.concatenate([record.odometry, record.arm], axis=-1)
     step = float(job.dt) * RECORD_EVERY
     speed = np.concatenate([np.diff(q, axis=1) / step, np.zeros_like(q[:, :1])], axis=1)
-    rows = jnp.asarray(np.concatenate([q, speed], axis=-1))
-    length = jnp.asarray(record.live.sum(axis=1) * step, rows.dtype)
-    return JointPlan(rows, jnp.asarray(record.pen[..., None]), jnp.full_like(length, step), length)
+    rows = np.concatenate([q, speed, record.pen[..., None]], axis=-1)
+    length = (record.live.sum(axis=1) * step).astype(rows.dtype)
+    return JointPlan(rows, np.full_like(length, step), 0 * length, length)
 
 
-def _brush_row(chain: KinematicChain, row: Float[Array, "18"]) -> Float[Array, "19"]:
+def _brush_row(chain: KinematicChain, row: Float[Array, "19"]) -> Float[Array, "19"]:
     pose, J = jacobian(chain, row[:9])
-    twist = (J * row[9:]).sum(-1)
+    twist = (J * row[9:18]).sum(-1)
     return jnp.concatenate([pose.p, pose.R.reshape(-1), twist, jnp.zeros(1, row.dtype)])
 
 
@@ -50,5 +50,6 @@ _BRUSH_ROW = batched(_brush_row, in_axes=(None, 0), chunk=256)
 def brush_for_joints(job: Job, plan: JointPlan) -> BrushPlan:
     """The brush path of a joint plan, pen up, with its base poses as stations."""
     worlds, count, width = plan.rows.shape
-    rows = _BRUSH_ROW(job.robot.chain, plan.rows.reshape(-1, width)).reshape(worlds, count, -1)
-    return BrushPlan(rows, plan.rows[:, ::_STATION_EVERY, :3], plan.step * _STATION_EVERY, plan.duration)
+    rows = np.asarray(_BRUSH_ROW(job.robot.chain, np.asarray(plan.rows).reshape(-1, width))).reshape(worlds, count, -1)
+    stations = np.asarray(plan.rows)[:, ::_STATION_EVERY, :3]
+    return BrushPlan(rows, plan.step, plan.origin, stations, plan.step * _STATION_EVERY, plan.duration)

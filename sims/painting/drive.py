@@ -10,7 +10,6 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from jaxpaint.compiling import batched
-from jaxpaint.kinematics.chain import KinematicChain
 from opt.plan import Samples
 from opt.trajectory import TrajectoryController
 from opt.wbc import WholeBodyController
@@ -20,6 +19,8 @@ from sims.worlds import World
 
 # Control steps of a block: 8 s. Shorter wastes less on worlds that are done, longer calls less often.
 _BLOCK = 400
+# Rows of a plan that a block can need: its own steps, and what a controller looks ahead.
+_WINDOW = _BLOCK + 40
 # A world may take this much longer than planned, waiting for the base, before it is given up.
 _PATIENCE = 1.5
 # Feedback of the trajectory controller [1/s].
@@ -27,18 +28,21 @@ _TRAJECTORY_GAIN = 2.0
 
 
 class JointPlan(NamedTuple):
-    """Rows of 9 positions and 9 velocities every `step` [s], rows of the pen, and how long it takes [s]."""
+    """Rows of 9 positions, 9 velocities and the pen every `step` [s], from `origin` [s]; and the duration [s]."""
 
-    rows: Float[Array, "t 18"]
-    pen: Float[Array, "t 1"]
+    rows: Float[Array, "t 19"]
     step: Float[Array, ""]
+    origin: Float[Array, ""]
     duration: Float[Array, ""]
 
 
 class BrushPlan(NamedTuple):
-    """Rows of `opt.wbc.Reference` every control step, base stations every `station_step` [s], duration [s]."""
+    """Rows of `opt.wbc.Reference` every `step` [s] from `origin` [s], base stations every `station_step` [s],
+    and the duration [s]."""
 
     rows: Float[Array, "t 19"]
+    step: Float[Array, ""]
+    origin: Float[Array, ""]
     stations: Float[Array, "s 3"]
     station_step: Float[Array, ""]
     duration: Float[Array, ""]
@@ -54,20 +58,19 @@ class Driven(NamedTuple):
 
 def _trajectory(job: Job, plan: JointPlan) -> TrajectoryController:
     gain = jnp.asarray(_TRAJECTORY_GAIN, plan.rows.dtype)
-    chain: KinematicChain = job.robot.chain
-    return TrajectoryController(chain, Samples(plan.rows, plan.step), Samples(plan.pen, plan.step), gain, plan.duration)
+    return TrajectoryController(job.robot.chain, Samples(plan.rows, plan.step, plan.origin), gain, plan.duration)
 
 
 def _whole_body(job: Job, plan: BrushPlan) -> WholeBodyController:
     return WholeBodyController(
-        job.limits,
-        job.settings,
-        job.thresholds,
-        Samples(plan.rows, job.dt),
-        Samples(plan.stations, plan.station_step),
-        job.speed,
-        jnp.ones_like(job.dt),
-        plan.duration,
+        robot=job.limits,
+        settings=job.settings,
+        thresholds=job.thresholds,
+        reference=Samples(plan.rows, plan.step, plan.origin),
+        stations=Samples(plan.stations, plan.station_step, jnp.zeros_like(plan.station_step)),
+        speed=job.speed,
+        pace=jnp.ones_like(job.dt),
+        duration=plan.duration,
     )
 
 
@@ -108,12 +111,14 @@ def drive(
     purpose: of the random numbers. advance: told the share of the planned time that each block added.
     """
     kind = type(plan)
-    state = _START[kind](job, plan, worlds)
+    whole = np.asarray(plan.rows)
+    state = _START[kind](job, _window(plan, whole, np.zeros(len(whole))), worlds)
     duration = np.asarray(plan.duration)
     longest = float(np.max(duration, initial=0.0, where=np.isfinite(duration)))
     records, done = [], 0.0
     for number in range(max(1, math.ceil(_PATIENCE * longest / (_BLOCK * float(job.dt))) + 1)):
-        state, record = _BLOCKS[kind](job, plan, state, index, jnp.array([purpose, number], jnp.int32))
+        part = _window(plan, whole, np.asarray(state.clock))
+        state, record = _BLOCKS[kind](job, part, state, index, jnp.array([purpose, number], jnp.int32))
         records.append(jax.tree.map(np.asarray, record))
         live = (np.asarray(state.clock) < duration) & (np.asarray(state.diverged_at) < 0)
         share = min(1.0, float(np.mean(np.asarray(state.clock))) / max(longest, 1e-9))
@@ -125,6 +130,14 @@ def drive(
     record = jax.tree.map(lambda *parts: np.concatenate(parts, axis=1), *records)
     completed = (np.asarray(state.clock) >= duration) & (np.asarray(state.diverged_at) < 0)
     return Driven(state, record, completed)
+
+
+def _window(plan: JointPlan | BrushPlan, rows: np.ndarray, clock: np.ndarray) -> JointPlan | BrushPlan:
+    """The plan with only those rows that the next block can need: moving all of them costs more than the block."""
+    step = np.asarray(plan.step)
+    first = np.clip(np.floor(np.nan_to_num(clock) / step).astype(int) - 1, 0, max(rows.shape[1] - 2, 0))
+    index = np.minimum(first[:, None] + np.arange(_WINDOW), rows.shape[1] - 1)
+    return plan._replace(rows=np.take_along_axis(rows, index[..., None], axis=1), origin=(first * step).astype(step.dtype))
 
 
 def compile_seconds() -> float:

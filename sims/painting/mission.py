@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -13,7 +13,7 @@ from jaxpaint.compiling import batched, one_by_one
 from sims.paint import PaintGrid
 from sims.painting.approach import approach, body_is_clear
 from sims.painting.convert import brush_for_joints, joints_for_brush
-from sims.painting.decide import choose_modes, path_poses, waypoint_poses
+from sims.painting.decide import Chooser, choose_for_scan, choose_for_strokes
 from sims.painting.drive import BrushPlan, Driven, JointPlan, drive
 from sims.painting.job import APPROACH, PAINT, SCAN, Job
 from sims.painting.lay import Laid, Truth, completed_and_fault, lay, true_brush
@@ -23,7 +23,6 @@ from sims.scoring import Chamfer, judge
 from sims.scoring.true_surface import chamfer_to_chart
 from sims.worlds import World
 
-Chooser = Literal["acp", "whole-body", "trajectory"]
 # What a mission spends its time on, with rough shares for a progress bar.
 STAGES = {"scan": 0.1, "see": 0.15, "map": 0.15, "approach": 0.05, "paint": 0.45, "lay": 0.1}
 
@@ -69,7 +68,7 @@ def run_mission(
     clouds = see(job, scan, driven, index)
     advance(STAGES["see"])
     painting = plan_painting(job, *clouds)
-    paint_mode = choose_modes(controller, *path_poses(job, painting.path), job.thresholds)
+    paint_mode = choose_for_strokes(controller, job, painting.path)
     advance(STAGES["map"])
     path_there, worlds = _approach(job, driven.state.world, painting, index)
     advance(STAGES["approach"])
@@ -88,7 +87,7 @@ def run_mission(
 
 def _scan(job: Job, worlds: World, index, controller: Chooser, advance) -> tuple[ScanPlan, Driven, np.ndarray]:
     scan = scan_motion(job, worlds)
-    mode = choose_modes(controller, *waypoint_poses(job, len(index)), job.thresholds)
+    mode = choose_for_scan(controller, job, len(index))
     plans = (lambda: scan.plan), (lambda: brush_for_joints(job, scan.plan))
     driven = _by_mode(job, mode, plans, worlds, index, SCAN, lambda share: advance(share * STAGES["scan"]))
     return scan, driven, mode

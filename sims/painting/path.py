@@ -76,5 +76,6 @@ def plan_painting(job: Job, cloud: Float[Array, "w n 3"], valid: Bool[Array, "w 
     count = steps_for(job, np.asarray(path.end))
     rows = _ROWS(job, path, jnp.zeros(count, jnp.int32))
     places = _STATIONS(job, rows, obstacles)
-    step = jnp.full(path.end.shape, job.dt * _STATION_EVERY)
-    return Painting(path, causes, obstacles, BrushPlan(rows, places, step, path.end))
+    step = np.full(path.end.shape, float(job.dt), np.asarray(path.end).dtype)
+    plan = BrushPlan(np.asarray(rows), step, 0 * step, np.asarray(places), step * _STATION_EVERY, np.asarray(path.end))
+    return Painting(path, causes, obstacles, plan)

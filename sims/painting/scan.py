@@ -16,7 +16,6 @@ from sims.odometry import draw_slip
 from sims.painting.drive import Driven, JointPlan
 from sims.painting.job import DEPTH, SLIP, START, Job, base_before
 from sims.painting.motion import SETTLE, motion_duration, motion_rows, plan_motion, rest_times
-from sims.rollout import RECORD_EVERY
 from sims.sensors import crop_to_canvas, merge_views, observe, render, thin
 from sims.worlds import World, standing
 
@@ -121,9 +120,10 @@ def scan_motion(job: Job, worlds: World) -> ScanPlan:
 def joint_plan(job: Job, trajectory, duration) -> JointPlan:
     """Trajectories of all worlds, sampled at the control period."""
     count = steps_for(job, duration)
-    rows = _ROWS(job, trajectory, jnp.zeros(count, jnp.int32))
-    worlds = rows.shape[0]
-    return JointPlan(rows, jnp.zeros((worlds, 1, 1)), jnp.full((worlds,), job.dt), duration)
+    rows = np.asarray(_ROWS(job, trajectory, jnp.zeros(count, jnp.int32)))
+    rows = np.concatenate([rows, np.zeros_like(rows[..., :1])], axis=-1)  # the pen is up
+    step = np.full(len(rows), float(job.dt), rows.dtype)
+    return JointPlan(rows, step, 0 * step, np.asarray(duration))
 
 
 def steps_for(job: Job, duration, *, multiple: int = 500) -> int:
@@ -165,8 +165,8 @@ _SEE = one_by_one(_see, in_axes=(None, 0, 0))
 def see(job: Job, scan: ScanPlan, driven: Driven, index: np.ndarray):
     """Clouds [worlds, points, 3] and which points are real, from where the robot truly stood when it looked."""
     record = driven.record
-    row = np.rint(np.asarray(scan.look) / (float(job.dt) * RECORD_EVERY)).astype(int)
-    row = np.clip(row, 0, record.base.shape[1] - 1)[..., None]
+    reached = record.clock[:, None] >= np.asarray(scan.look)[..., None]
+    row = np.where(reached.any(-1), reached.argmax(-1), record.clock.shape[1] - 1)[..., None]
     arm = np.take_along_axis(record.arm, row, axis=1)
     true = np.concatenate([np.take_along_axis(record.base, row, axis=1), arm], axis=-1)
     believed = np.concatenate([np.take_along_axis(record.odometry, row, axis=1), arm], axis=-1)

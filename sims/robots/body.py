@@ -1,4 +1,4 @@
-"""The robot's body, read from the geoms of a compiled MuJoCo model: spheres for clearance, and the footprint."""
+"""The robot's body, read from the geoms of a compiled model: spheres for clearance, and the footprint."""
 
 from collections.abc import Sequence
 from itertools import product
@@ -17,9 +17,9 @@ _PICTURE_GROUP = 2  # geoms of this group are there to be looked at: MuJoCo Mena
 def spheres_from_model(model: mujoco.MjModel, joints: Sequence[int]) -> Spheres:
     """The body as spheres that ride on `joints`.
 
-    Capsules and cylinders become rows of spheres along their axis, a radius apart (a cylinder's flat ends gain a
-    radius), boxes points along their edges, everything else one sphere. Left out: geoms of group 2 (pictures), and
-    those whose name begins with `brush`, which touches the wall on purpose.
+    Capsules and cylinders become rows of spheres along their axis, a radius apart (a cylinder's flat ends
+    gain a radius), boxes points along their edges, everything else one sphere. Left out: geoms of group 2
+    (pictures), and those whose name begins with `brush`, which touches the wall on purpose.
     """
     links, bodies = link_frames(model, joints), body_frames(model)
     frame, center, radius = [], [], []

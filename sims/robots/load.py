@@ -39,11 +39,11 @@ def robot_model(path: Path | str | None = None) -> mujoco.MjModel:
 def load_robot(path: Path | str | None = None) -> Robot:
     """The robot of an MJCF file, by default the reference robot.
 
-    The file has slides `base_x`, `base_y` and a hinge `base_yaw` at the root, in this order, an arm of hinges behind
-    them that carries the sites `brush` (z out of the tool) and `camera` (OpenCV axes), and a keyframe `home`.
-    Speed limits are the control ranges of velocity actuators; accelerations the numerics `base_acceleration` and
-    `arm_acceleration`. Optional, else as the reference robot's: joints `steer_fl`, `wheel_fl`, and so on; else at the
-    base's origin: site `lidar`.
+    The file has slides `base_x`, `base_y` and a hinge `base_yaw` at the root, in this order, an arm of hinges
+    behind them that carries the sites `brush` (z out of the tool) and `camera` (OpenCV axes), and a keyframe
+    `home`. Speed limits are the control ranges of velocity actuators; accelerations the numerics
+    `base_acceleration` and `arm_acceleration`. Optional, else as the reference robot's: joints `steer_fl`,
+    `wheel_fl`, and so on; else at the base's origin: site `lidar`.
     """
     model = robot_model(path)
     try:
@@ -79,10 +79,14 @@ def robot_from_model(model: mujoco.MjModel) -> Robot:
 
 def _check(model: mujoco.MjModel, chain: KinematicChain) -> None:
     if chain.names[:3] != BASE_JOINTS or len(chain.names) == 3:
-        raise InputError(f"the way to site 'brush' has joints {', '.join(chain.names)}; it must begin with "
-                         f"{', '.join(BASE_JOINTS)} and go on with the arm's")
+        raise InputError(
+            f"the way to site 'brush' has joints {', '.join(chain.names)}; it must begin with "
+            f"{', '.join(BASE_JOINTS)} and go on with the arm's"
+        )
     if chain.kinds[:3] != ("slide", "slide", "hinge"):
-        raise InputError(f"{', '.join(BASE_JOINTS)} are {', '.join(chain.kinds[:3])}; allowed: slide, slide, hinge")
+        raise InputError(
+            f"{', '.join(BASE_JOINTS)} are {', '.join(chain.kinds[:3])}; allowed: slide, slide, hinge"
+        )
     find(model, mujoco.mjtObj.mjOBJ_SITE, "camera")
 
 
@@ -106,9 +110,17 @@ def _speed_limits(model: mujoco.MjModel, joints: Sequence[int]) -> np.ndarray:
 
 
 def _control_range(model: mujoco.MjModel, joint: int, default: float) -> float:
-    """The speed that the actuator of a joint can be told [rad/s or m/s]."""
+    """The speed that the velocity servo of a joint can be told [rad/s or m/s]."""
     for a in range(model.nu):
-        if model.actuator_trnid[a, 0] == joint and model.actuator_ctrllimited[a]:
+        drives_joint = model.actuator_trntype[a] == int(mujoco.mjtTrn.mjTRN_JOINT)
+        # a servo's bias is -gain times what it follows: (offset, position, velocity)
+        follows_speed = model.actuator_biasprm[a, 1] == 0 and model.actuator_biasprm[a, 2] < 0
+        if (
+            drives_joint
+            and model.actuator_trnid[a, 0] == joint
+            and follows_speed
+            and model.actuator_ctrllimited[a]
+        ):
             return float(np.abs(model.actuator_ctrlrange[a]).min())
     return default
 
@@ -156,7 +168,7 @@ def _wheels(model: mujoco.MjModel) -> Wheels:
     """The steered wheels where the file has them, else those of the reference robot."""
     ids = [mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, f"steer_{c}") for c in CORNERS]
     if min(ids) < 0:
-        return _wheels(robot_model()) 
+        return _wheels(robot_model())
     drives = [find(model, mujoco.mjtObj.mjOBJ_JOINT, f"wheel_{c}") for c in CORNERS]
     base = model.jnt_bodyid[find(model, mujoco.mjtObj.mjOBJ_JOINT, "base_yaw")]
     frames = body_frames(model)

@@ -41,7 +41,9 @@ def find(model: mujoco.MjModel, kind: mujoco.mjtObj, name: str) -> int:
     index = mujoco.mj_name2id(model, kind, name)
     if index < 0:
         what = kind.name.removeprefix("mjOBJ_").lower()
-        raise InputError(f"no {what} named '{name}', the model has {', '.join(names_of(model, kind)) or 'none'}")
+        raise InputError(
+            f"no {what} named '{name}', the model has {', '.join(names_of(model, kind)) or 'none'}"
+        )
     return index
 
 
@@ -60,13 +62,15 @@ def joints_to(model: mujoco.MjModel, body: int) -> list[int]:
         body = model.body_parentid[body]
     for j in found:
         if int(model.jnt_type[j]) not in _KINDS:
-            raise InputError(f"joint '{model.joint(j).name}' is free or a ball, allowed are hinges and slides")
+            raise InputError(
+                f"joint '{model.joint(j).name}' is free or a ball, allowed are hinges and slides"
+            )
     return found
 
 
 def link_frames(model: mujoco.MjModel, joints: Sequence[int]) -> list[np.ndarray]:
-    """T_world_joint of each joint with all joints at 0: origin at its anchor, z along its axis. 4x4, float64."""
-    # Joints at 0, and not at the model's reference position: what a joint's `ref` turns is part of the frames.
+    """T_world_joint of each joint, all of them at 0: origin at its anchor, z along its axis. 4x4, float64."""
+    # At 0, and not at the model's reference position: what a joint's `ref` turns is part of the frames.
     data = mujoco.MjData(model)
     data.qpos[:] = 0
     _keep_quaternions(model, data)
@@ -103,13 +107,13 @@ def matrix(p: np.ndarray, quat: np.ndarray) -> np.ndarray:
 
 def _keep_quaternions(model: mujoco.MjModel, data: mujoco.MjData) -> None:
     for j in range(model.njnt):
-        start = model.jnt_qposadr[j] + (3 if model.jnt_type[j] == mujoco.mjtJoint.mjJNT_FREE else 0)
-        if model.jnt_type[j] in (mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_BALL):
-            data.qpos[start] = 1
+        kind = mujoco.mjtJoint(int(model.jnt_type[j]))
+        if kind in (mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_BALL):
+            data.qpos[model.jnt_qposadr[j] + (3 if kind == mujoco.mjtJoint.mjJNT_FREE else 0)] = 1
 
 
 def _with_z(axis: np.ndarray, body: np.ndarray) -> np.ndarray:
-    """A rotation with z along `axis`: the body's own axes, cycled where that suffices, so that none is rounded."""
+    """A rotation with z along `axis`: the body's own axes, cycled, where that does; none is rounded then."""
     for k in range(3):
         if np.array_equal(body[:, k], axis):
             return body[:, [(k + 1) % 3, (k + 2) % 3, k]]

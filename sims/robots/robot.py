@@ -10,8 +10,8 @@ from jaxpaint.kinematics import KinematicChain, Pose, Spheres, arm_chain, with_t
 class Wheels(eqx.Module):
     """Four steered wheels, front left, front right, rear left, rear right.
 
-    position: steering axes (a_i, b_i) in the base frame [m], offset l = 0. radius [m]. steer_speed, drive_speed:
-    limits of the steering and of the driving joints [rad/s].
+    position: steering axes (a_i, b_i) in the base frame [m], offset l = 0. radius [m]. steer_speed,
+    drive_speed: limits of the steering and of the driving joints [rad/s].
     """
 
     position: Float[Array, "4 2"]
@@ -23,11 +23,12 @@ class Wheels(eqx.Module):
 class Robot(eqx.Module):
     """A planar base that carries an arm with a brush and a camera.
 
-    chain: from the map to the brush, joints (base_x, base_y, base_yaw, arm...). The base's frame lies on the floor,
-    x forwards. home: the arm's painting posture [rad]. lower, upper: the arm's limits [rad]. speed_limit,
-    acceleration_limit: of all joints (base first) [m/s, rad/s, and per second]. T_brush_camera: axes of both z along
-    the tool, the camera's y down when the brush's is. T_base_lidar. footprint: corners of the base's rectangle in
-    its frame, front left first, counter-clockwise [m]. spheres: the body without the brush, for clearance.
+    chain: from the map to the brush, joints (base_x, base_y, base_yaw, arm...). The base's frame lies on the
+    floor, x forwards. home: the arm's painting posture [rad]. lower, upper: the arm's limits [rad].
+    speed_limit, acceleration_limit: of all joints (base first) [m/s, rad/s, and per second]. T_brush_camera:
+    axes of both z along the tool, the camera's y down when the brush's is. T_base_lidar. footprint: corners
+    of the base's rectangle in its frame, front left first, counter-clockwise [m]. spheres: the body without
+    the brush, for clearance.
     """
 
     chain: KinematicChain

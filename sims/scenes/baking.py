@@ -1,7 +1,6 @@
 """A captured wall as one smooth surface: the truth of the simulations that use it."""
 
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -14,7 +13,11 @@ from sims.scenes.smoothing import fit_regions, fit_sheet
 
 _MIN_CELL, _MAX_CELL, _MAX_CELLS = 0.009, 0.10, 200_000
 _WALL_BAND = 0.08
-_MAX_JITTER = np.deg2rad(0.4)
+_MIN_SPAN = 4
+# White noise in the normals halves from one window to the next, shape does not.
+_CALM, _NOISY, _FALLS = np.deg2rad(0.25), np.deg2rad(1.0), 0.8
+# A window that leaves twice what the narrowest one leaves smooths shape away.
+_LOOSE = 2.0
 _MAX_WIDTH = 0.25
 _SMALL_HOLE = 0.025
 _STRAY = 4.7
@@ -54,19 +57,19 @@ def bake(points: Float[np.ndarray, "N 3"], name: str) -> Baked:
     lattice = Lattice.around(points, cell)
     front = front_surface(points, lattice, local_noise)
     label = _wall_label(front, name)
-    width, jitter, flat = _choose_width(front, front.region == label, cell, local_noise)
-    about_planes = _point_residuals(points, front.used, lattice, flat, order=1)
-    noise = _spread(about_planes[(front.region == label).ravel()[lattice.index(points)[0]] & front.used])
+    at = lattice.index(points)[0]
+    wall_points = points[front.used & (front.region == label).ravel()[at]]
+    window = _choose_window(front, wall_points, lattice, label, local_noise)
     labels = _close_small_holes(front, cell)
     reach = _extended(labels)
-    depth = fit_regions(front, reach, cell, width, noise)
-    valid = (labels > 0) & _alone(reach) & _explained(front, depth, noise)
+    depth = fit_regions(front, reach, cell, window.width, window.spread)
+    valid = (labels > 0) & _alone(reach) & _explained(front, depth, window.noise)
     wall = valid & (labels == label)
-    residual = _point_residuals(points, front.used, lattice, depth, order=2)
-    used = front.used & valid.ravel()[lattice.index(points)[0]] & (np.abs(residual) < _STRAY * noise)
-    on_wall = residual[used & wall.ravel()[lattice.index(points)[0]]]
+    residual = _residuals(points, lattice, depth)
+    used = front.used & valid.ravel()[at] & (np.abs(residual) < _STRAY * window.noise)
+    on_wall = residual[used & wall.ravel()[at]]
     figures = (_rms(on_wall), float(np.percentile(np.abs(on_wall), 95)), _rms(residual[used]))
-    return Baked(lattice, depth, valid, wall, width, jitter, noise, figures, used)
+    return Baked(lattice, depth, valid, wall, window.width, window.jitter, window.noise, figures, used)
 
 
 def _pitch_and_noise(points: Float[np.ndarray, "N 3"], name: str) -> tuple[float, float]:
@@ -81,7 +84,8 @@ def _pitch_and_noise(points: Float[np.ndarray, "N 3"], name: str) -> tuple[float
     extent = np.ptp(points[:, 1:], axis=0)
     cell = max(cell, float(np.sqrt(np.prod(extent) / _MAX_CELLS)))
     _, neighbours = tree.query(probes[:, 1:], k=min(120, len(near)))
-    return cell, float(np.median([_plane_spread(near[group]) for group in neighbours]))
+    # Even made-up points without noise need a step that counts as an edge.
+    return cell, max(float(np.median([_plane_spread(near[group]) for group in neighbours])), 1e-4)
 
 
 def _distinct(points: Float[np.ndarray, "N 3"]) -> Float[np.ndarray, "M 3"]:
@@ -101,30 +105,53 @@ def _wall_label(front: FrontSurface, name: str) -> int:
     near = (np.abs(np.where(front.count > 0, front.depth, np.inf)) < _WALL_BAND) & (front.region > 0)
     if not near.any():
         raise InputError(f"{name}: the largest upright plane is too broken to be a wall")
-    return int(np.argmax(np.bincount(front.region[near])))
+    label = int(np.argmax(np.bincount(front.region[near])))
+    rows, columns = np.nonzero(front.region == label)
+    if min(np.ptp(rows), np.ptp(columns)) < _MIN_SPAN:
+        raise InputError(f"{name}: the largest upright plane is a strip, too narrow to be a wall")
+    return label
 
 
-def _choose_width(
-    front: FrontSurface, wall: Bool[np.ndarray, "V U"], cell: float, noise: float
-) -> tuple[float, float, Float[np.ndarray, "V U"]]:
-    """The narrowest window whose normals agree with the next one's, their angle, and planes in it."""
-    window = ndimage.find_objects(wall.astype(int))[0]
-    wall, depth = wall[window], np.nan_to_num(front.depth[window])
-    weight = np.where(wall, front.count[window], 0.0)
+@dataclass(frozen=True)
+class _Window:
+    """Standard deviation of the smoothing window [m], how far its normals are from those of the next wider one
+    [rad], and the rms of the wall's points about quadratics (spread) and about planes (noise) in it [m]."""
+
+    width: float
+    jitter: float
+    spread: float
+    noise: float
+
+
+def _choose_window(
+    front: FrontSurface, points: Float[np.ndarray, "M 3"], lattice: Lattice, label: int, noise: float
+) -> _Window:
+    """The narrowest window whose normals agree with the next one's, or the widest that fits the points."""
+    cell, wall = lattice.cell, front.region == label
+    depth, weight = np.nan_to_num(front.depth), np.where(wall, front.count, 0.0)
     steps = int(np.ceil(2 * np.log2(max(_MAX_WIDTH, 4 * cell) / (1.5 * cell)))) + 1
-    widths = 1.5 * cell * 2 ** (0.5 * np.arange(steps))
-    sheet, jitter, width = fit_sheet(depth, weight, wall, cell, widths[0], noise), np.inf, widths[0]
-    for width, wider in pairwise(widths):  # noqa: B007 - the last width is the answer
-        following = fit_sheet(depth, weight, wall, cell, wider, noise)
-        # Windows that hang over the wall's border are one-sided: they say nothing about the noise.
-        full = wall & (following.support > 0.7 * np.percentile(following.support[wall], 95))
-        gap = np.linalg.norm(following.normals - sheet.normals, axis=-1)[full]
-        jitter, sheet = _rms(gap), following
-        if jitter < _MAX_JITTER:
+    inner = ndimage.binary_erosion(wall, np.ones((3, 3)))
+    jitter, width, spread = np.inf, 1.5 * cell, 0.0
+    sheet = fit_sheet(depth, weight, wall, cell, width, noise)
+    narrow = spread = _spread(_residuals(points, lattice, sheet.depth))
+    for wider in 1.5 * cell * 2 ** (0.5 * np.arange(1, steps)):
+        following = fit_sheet(depth, weight, wall, cell, float(wider), noise)
+        # Windows that hang over the border are one-sided: they say nothing about the noise.
+        full = inner & (following.support > 0.7 * np.percentile(following.support[wall], 95))
+        gap = np.linalg.norm(_normals(following.depth, cell) - _normals(sheet.depth, cell), axis=-1)
+        before, jitter = jitter, _rms(gap[full])
+        loose = _spread(_residuals(points, lattice, following.depth))
+        if jitter < _CALM or (jitter < _NOISY and jitter > _FALLS * before) or loose > _LOOSE * narrow:
             break
-    flat = np.zeros(front.depth.shape)
-    flat[window] = fit_sheet(depth, weight, wall, cell, float(width), noise, degree=1).depth
-    return float(width), float(jitter), flat
+        sheet, width, spread = following, float(wider), loose
+    flat = fit_sheet(depth, weight, wall, cell, width, noise, degree=1)
+    return _Window(width, jitter, spread, _spread(_residuals(points, lattice, flat.depth)))
+
+
+def _normals(depth: Float[np.ndarray, "V U"], cell: float) -> Float[np.ndarray, "V U 3"]:
+    rise, run = np.gradient(depth, cell)
+    stacked = np.stack([-np.ones_like(depth), run, rise], axis=-1)
+    return stacked / np.linalg.norm(stacked, axis=-1, keepdims=True)
 
 
 def _close_small_holes(front: FrontSurface, cell: float) -> Int[np.ndarray, "V U"]:
@@ -151,20 +178,15 @@ def _explained(front: FrontSurface, depth: Float[np.ndarray, "V U"], noise: floa
     return (front.count == 0) | (np.abs(np.where(front.count > 0, front.depth, 0.0) - depth) < _STRAY * noise)
 
 
-def _point_residuals(
-    points: Float[np.ndarray, "N 3"],
-    used: Bool[np.ndarray, "N"],
-    lattice: Lattice,
-    depth: Float[np.ndarray, "V U"],
-    order: int,
+def _residuals(
+    points: Float[np.ndarray, "N 3"], lattice: Lattice, depth: Float[np.ndarray, "V U"]
 ) -> Float[np.ndarray, "N"]:
-    """x of each used point less that of the surface below it; order 2 is the very spline of HeightMap."""
-    rows = (points[used, 2] - lattice.low) / lattice.cell
-    columns = (-points[used, 1] - lattice.left) / lattice.cell
-    below = ndimage.map_coordinates(depth, [rows, columns], order=order, prefilter=False, mode="nearest")
-    residual = np.full(len(points), np.inf)
-    residual[used] = points[used, 0] - below
-    return residual
+    """x of each point less that of the surface below it, by the very spline of HeightMap [m]."""
+    rows = (points[:, 2] - lattice.low) / lattice.cell
+    columns = (-points[:, 1] - lattice.left) / lattice.cell
+    return points[:, 0] - ndimage.map_coordinates(
+        depth, [rows, columns], order=2, prefilter=False, mode="nearest"
+    )
 
 
 def _spread(residual: Float[np.ndarray, "N"]) -> float:

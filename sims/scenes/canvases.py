@@ -3,6 +3,7 @@
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Array, Float
 
 from jaxpaint.errors import InputError
 from jaxpaint.mapping.canvas import Canvas
@@ -69,8 +70,13 @@ def share_on_wall(scene: Scene, canvas: Canvas) -> float:
     """Share of a coarse grid of the canvas' rays that meet a surface within 1.5 m."""
     steps = np.linspace(-0.5, 0.5, _PROBES)
     uv = jnp.asarray(np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2), dtype=float) * canvas.size
-    hits = jax.jit(jax.vmap(scene.raycast, in_axes=(0, None)))(canvas.to_map(uv), canvas.ray)
-    return float(jnp.mean(hits.valid & (hits.distance <= _MAX_DEPTH)))
+    return float(_share_met(scene, canvas.to_map(uv), canvas.ray))
+
+
+@jax.jit
+def _share_met(scene: Scene, origins: Float[Array, "N 3"], direction: Float[Array, "3"]) -> Float[Array, ""]:
+    hits = jax.vmap(scene.raycast, in_axes=(0, None))(origins, direction)
+    return jnp.mean(hits.valid & (hits.distance <= _MAX_DEPTH))
 
 
 def _chord(chart: AbstractChart, arc: float) -> float:

@@ -35,10 +35,11 @@ class CaptureReport:
     plane_share: share of the capture that lies in the wall's plane. points, missing: of the file. used:
     points that the surface was made from; the others are hidden, stray, steep, or further than 1.2 m in
     front of the wall. cell: pitch of the height map. width: standard deviation of the smoothing window.
-    noise_rms: spread of the wall's points about planes in such windows. residual_rms, residual_p95: the
-    wall's points from the surface; scene_residual_rms: all points used. height: of the lowest captured
-    point above the floor; height_guessed where nobody said so. clearance: of the canvas from what is not
-    free plane. T_map_capture: from the capture's axes to the map.
+    noise_rms: spread of the wall's points about planes in such windows, so that a bent wall's bend within a
+    window counts too. residual_rms, residual_p95: the wall's points from the surface; scene_residual_rms:
+    all points used. height: of the lowest captured point above the floor; height_guessed where nobody said
+    so. clearance: of the canvas from what is not free plane. T_map_capture: from the capture's axes to the
+    map.
     """
 
     name: str

@@ -10,7 +10,7 @@ from sims.scenes.hits import Hit
 from sims.scenes.primitives import AbstractPrimitive
 from sims.scenes.textures import AbstractTexture
 
-_BISECTIONS = 12
+_ROUNDS = 6
 
 
 class HeightField(AbstractPrimitive):
@@ -70,18 +70,18 @@ class HeightField(AbstractPrimitive):
         enter: Float[Array, ""],
         leave: Float[Array, ""],
     ) -> tuple[Float[Array, ""], Float[Array, ""], Array]:
-        """Bracket of the first crossing, one step wider on each side, and whether there is one."""
+        """Bracket of the first crossing, two cells wider on each side, and whether there is one."""
         stride = (leave - enter) / self.steps
         distances = enter + stride * jnp.arange(self.steps + 1, dtype=stride.dtype)
         points = jax.lax.stop_gradient(origin[None, :] + distances[:, None] * direction[None, :])
         depths = jax.vmap(self.surface.nearest)(jnp.stack([-points[:, 1], points[:, 2]], axis=1))
         below = points[:, 0] >= depths
-        first = jnp.argmax(below)
-        bracket = enter + stride * jnp.stack(
-            [jnp.maximum(first - 2, 0), jnp.minimum(first + 1, self.steps)]
-        ).astype(stride.dtype)
+        sunk = enter + stride * jnp.argmax(below).astype(stride.dtype)
+        # Single cells are steps where the surface is a slope: the crossing may lie two cells off.
+        low = jnp.maximum(sunk - stride - 2 * self.surface.cell, enter)
+        high = jnp.minimum(sunk + 2 * self.surface.cell, leave)
         # A ray that starts below the surface came from behind it.
-        return bracket[0], bracket[1], jnp.any(below) & ~below[0]
+        return low, high, jnp.any(below) & ~below[0]
 
     def _refine(
         self,
@@ -90,7 +90,7 @@ class HeightField(AbstractPrimitive):
         low: Float[Array, ""],
         high: Float[Array, ""],
     ) -> Float[Array, ""]:
-        """Bisection on the smooth surface, then Newton, whose last step alone carries gradients."""
+        """Newton's method on the smooth surface within the bracket; its last step alone carries gradients."""
 
         def gap(distance: Float[Array, ""]) -> tuple[Float[Array, ""], Float[Array, ""]]:
             point = origin + distance * direction
@@ -98,13 +98,16 @@ class HeightField(AbstractPrimitive):
             rate = -slopes[0] * direction[1] + slopes[1] * direction[2] - direction[0]
             return depth - point[0], rate
 
-        def halve(_: int, bracket: tuple[Array, Array]) -> tuple[Array, Array]:
-            middle = 0.5 * (bracket[0] + bracket[1])
-            above = gap(middle)[0] > 0
-            return jnp.where(above, middle, bracket[0]), jnp.where(above, bracket[1], middle)
+        def improve(_: int, found: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
+            low, high, distance = found
+            value, rate = gap(distance)
+            low, high = jnp.where(value > 0, distance, low), jnp.where(value > 0, high, distance)
+            newton = distance - value / jnp.where(rate < -1e-3, rate, -1.0)
+            within = (newton >= low) & (newton <= high)
+            return low, high, jnp.where(within, newton, 0.5 * (low + high))
 
-        low, high = jax.lax.stop_gradient(jax.lax.fori_loop(0, _BISECTIONS, halve, (low, high)))
-        distance = 0.5 * (low + high)
+        start = (low, high, 0.5 * (low + high))
+        distance = jax.lax.stop_gradient(jax.lax.fori_loop(0, _ROUNDS, improve, start)[2])
         value, rate = gap(distance)
         steep = jnp.abs(rate) > 1e-3
         return distance - jnp.where(steep, value / jax.lax.stop_gradient(jnp.where(steep, rate, 1.0)), 0.0)

@@ -11,6 +11,8 @@ from sims.scenes.baking import Baked
 
 _BAND, _BAND_NOISE = 0.015, 2.5
 _MAX_SLOPE = np.tan(np.deg2rad(10.0))
+_FLAT_BAND = 0.08
+_MAX_TURN = np.tan(np.deg2rad(30.0))
 _BORDER = 0.05
 _MAX_SIZE = (2.4, 1.2)
 _ASPECTS = (4.0, 3.0, 2.0, 1.5, 1.0, 0.75, 0.5)
@@ -33,35 +35,38 @@ class Place:
 def find_place(baked: Baked, size: tuple[float, float] | None, name: str) -> Place:
     """The place of a canvas of that size, or of the largest up to 2.4 x 1.2 m that leaves a border of 5 cm.
 
+    On the plane where it fits there, else anywhere on the wall's smooth surface, as on a captured column.
     Raises InputError with the largest size of the same shape that fits.
     """
-    free = free_plane(baked)
-    blocked = _integral(~free)
-    if size is None:
-        sizes = [_largest(blocked, baked.lattice.cell, (aspect, 1.0), _BORDER) for aspect in _ASPECTS]
-        size = max(sizes, key=lambda sides: sides[0] * sides[1])
-    if min(size) < 2 * baked.lattice.cell or not _fits(blocked, _cells(size, baked.lattice.cell), 0).any():
-        width, height = _largest(blocked, baked.lattice.cell, size, 0.0)
+    cell = baked.lattice.cell
+    for free in (free_plane(baked), free_surface(baked)):
+        blocked = _integral(~free)
+        wanted = size if size is not None else _largest_of_any_shape(blocked, cell)
+        if min(wanted) > 2 * cell and _fits(blocked, _cells(wanted, cell), 0).any():
+            break
+    else:
+        width, height = _largest(blocked, cell, wanted, 0.0)
         raise InputError(
-            f"--canvas-size: {size[0]:g} x {size[1]:g} m finds no free plane on {name}; "
+            f"--canvas-size: {wanted[0]:g} x {wanted[1]:g} m finds no free wall on {name}; "
             f"the largest canvas of that shape that fits is {width:.2f} x {height:.2f} m"
         )
-    row, column, margin = _clearest(blocked, _cells(size, baked.lattice.cell))
+    row, column, margin = _clearest(blocked, _cells(wanted, cell))
     lattice = baked.lattice
     return Place(
         u=lattice.left + column * lattice.cell,
         v=lattice.low + row * lattice.cell,
-        size=size,
-        clearance=margin * lattice.cell,
-        free=float(free.sum()) * lattice.cell**2,
+        size=wanted,
+        clearance=margin * cell,
+        free=float(free.sum()) * cell**2,
     )
 
 
 def free_plane(baked: Baked) -> Bool[np.ndarray, "V U"]:
     """Cells of the wall near its plane and nearly parallel to it; specks of one or two cells are forgiven."""
-    rows, columns = np.nonzero(baked.wall)
+    flat = baked.wall & (np.abs(baked.depth) < _FLAT_BAND)
+    rows, columns = np.nonzero(flat)
     design = np.column_stack([np.ones(len(rows)), columns, rows])
-    depth = baked.depth[baked.wall]
+    depth = baked.depth[flat]
     weight = np.ones(len(rows))
     for _ in range(10):
         plane = np.linalg.lstsq(design * weight[:, None], depth * weight, rcond=None)[0]
@@ -74,6 +79,18 @@ def free_plane(baked: Baked) -> Bool[np.ndarray, "V U"]:
     level = (offset < max(_BAND, _BAND_NOISE * baked.noise)) & (slope < _MAX_SLOPE)
     uneven = ndimage.binary_opening(~level & baked.wall, np.ones((3, 3)))
     return baked.wall & ~uneven
+
+
+def free_surface(baked: Baked) -> Bool[np.ndarray, "V U"]:
+    """Cells of the wall, bent as it may be, that do not turn away from the robot by more than 30 degrees."""
+    rise, run = np.gradient(baked.depth, baked.lattice.cell)
+    steep = baked.wall & (np.hypot(run, rise) > _MAX_TURN)
+    return baked.wall & ~ndimage.binary_opening(steep, np.ones((3, 3)))
+
+
+def _largest_of_any_shape(blocked: Float[np.ndarray, "V1 U1"], cell: float) -> tuple[float, float]:
+    sizes = [_largest(blocked, cell, (aspect, 1.0), _BORDER) for aspect in _ASPECTS]
+    return max(sizes, key=lambda sides: sides[0] * sides[1])
 
 
 def _cells(size: tuple[float, float], cell: float) -> tuple[int, int]:

@@ -23,18 +23,10 @@ _ACCEPTED, _REFUSED = 1.25, 1.5
 
 @dataclass(frozen=True)
 class Sheet:
-    """One fit: depth [m], its slopes along u and v, and how full the window was (1: all of it, on data)."""
+    """One fit: depth [m], and how full the window was (1: all of it, on data)."""
 
     depth: Float[np.ndarray, "V U"]
-    slope_u: Float[np.ndarray, "V U"]
-    slope_v: Float[np.ndarray, "V U"]
     support: Float[np.ndarray, "V U"]
-
-    @property
-    def normals(self) -> Float[np.ndarray, "V U 3"]:
-        """Unit normals in (depth, u, v) axes, towards the robot."""
-        stacked = np.stack([-np.ones_like(self.depth), self.slope_u, self.slope_v], axis=-1)
-        return stacked / np.linalg.norm(stacked, axis=-1, keepdims=True)
 
 
 def fit_sheet(
@@ -99,12 +91,9 @@ def _solve(
     matrix += total[:, None, None] * np.diag(_RIDGE[: len(powers)]) + 1e-9 * np.eye(len(powers))
     value = np.linalg.solve(matrix, right[..., None])[..., 0]
     full = np.median(weights[weights > 0]) if (weights > 0).any() else 1.0
-    images = [np.zeros(known.shape) for _ in range(4)]
-    for image, column in zip(
-        images, (value[:, 0], value[:, 1] / width, value[:, 2] / width, total / full), strict=True
-    ):
-        image[cells] = column
-    return Sheet(*images)
+    depth, support = np.zeros(known.shape), np.zeros(known.shape)
+    depth[cells], support[cells] = value[:, 0], total / full
+    return Sheet(depth, support)
 
 
 def fit_regions(

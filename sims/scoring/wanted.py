@@ -2,26 +2,25 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
-from typing import Any
+from functools import cached_property
 
 import cv2
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Array, Bool, Float
 from scipy.spatial import KDTree
 
 from jaxpaint.errors import InputError
 from jaxpaint.mapping.canvas import Canvas
-from sims.paint.grid import pose_on_wall
+from sims.paint.grid import pose_all_on_wall
+from sims.scenes.charts import AbstractChart
 from sims.scenes.scene import Scene
 
 CELL = 0.001  # of the wanted picture [m]
 EXCESS_MARGIN = 0.005  # paint counts as excess further than this outside the wanted area [m]
 STEP = 0.0005  # between points of a centre-line on the canvas [m]
 _JUMP = 0.010  # between neighbours on the surface that belong to different sheets of it [m]
-_BATCH = 1 << 14  # rays or cells that are evaluated together
 _SUBPIXEL = 4  # fractional bits of cv2's line drawing
 
 
@@ -110,8 +109,7 @@ def densify(line: Float[np.ndarray, "points 2"], step: float) -> Float[np.ndarra
 
 def _pose(lines: Sequence[np.ndarray], scene: Scene, canvas: Canvas) -> Iterator[np.ndarray]:
     """The parts of dense canvas lines that lie on one sheet of the surface each, as (u, v) of the wall."""
-    points = np.concatenate(lines).astype(canvas.size.dtype)
-    uv, valid = _in_batches(partial(pose_on_wall, scene, canvas), points)
+    uv, valid = pose_all_on_wall(scene, canvas, np.concatenate(lines))
     joined = valid[1:] & valid[:-1] & (np.linalg.norm(np.diff(uv, axis=0), axis=1) < _JUMP)
     joined[np.cumsum([len(line) for line in lines])[:-1] - 1] = False
     for piece, keep in zip(*(np.split(x, np.flatnonzero(~joined) + 1) for x in (uv, valid)), strict=True):
@@ -120,23 +118,26 @@ def _pose(lines: Sequence[np.ndarray], scene: Scene, canvas: Canvas) -> Iterator
 
 
 def _surface_mask(scene: Scene, origin: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
+    """Where the wall exists, row by row of the picture: all cells at once may not fit into memory."""
     v, u = (origin[axis] + CELL * np.arange(count) for axis, count in ((1, shape[0]), (0, shape[1])))
-    uv = np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 2)
     dtype = scene.chart.lower.dtype
-    return _in_batches(scene.chart.on_surface, uv.astype(dtype)).reshape(shape)
+    return np.asarray(_on_surface(scene.chart, jnp.asarray(u, dtype), jnp.asarray(v, dtype)))
 
 
-def _in_batches(function: Any, points: np.ndarray) -> Any:
-    """Maps a one-point function over many points, of which only so many are in memory at once."""
-    batch = min(_BATCH, 1 << int(np.ceil(np.log2(max(len(points), 2)))))
-    padded = np.concatenate([points, np.repeat(points[-1:], -len(points) % batch, axis=0)])
-    run = jax.jit(lambda x: jax.lax.map(jax.vmap(function), x))
-    out = run(jnp.asarray(padded.reshape(-1, batch, points.shape[1])))
-    return jax.tree.map(lambda x: np.asarray(x).reshape(-1, *x.shape[2:])[: len(points)], out)
+@jax.jit
+def _on_surface(chart: AbstractChart, u: Float[Array, "columns"], v: Float[Array, "rows"]):
+    def row(height):
+        return jax.vmap(lambda across: chart.on_surface(jnp.stack([across, height])))(u)
+
+    return jax.lax.map(row, v)
 
 
 def _distance_to(
-    lines: Sequence[np.ndarray], tree: KDTree, origin: np.ndarray, shape: tuple[int, int], limits: Sequence[float]
+    lines: Sequence[np.ndarray],
+    tree: KDTree,
+    origin: np.ndarray,
+    shape: tuple[int, int],
+    limits: Sequence[float],
 ) -> np.ndarray:
     """Distance [m] from the middle of each cell to the nearest line: to a cell, and exact near the limits."""
     picture = np.full(shape, 255, np.uint8)

@@ -20,7 +20,7 @@ from jaxpaint.kinematics import (
     with_tool,
 )
 
-KINDS = ("slide", "slide", "hinge", "hinge", "slide", "hinge", "hinge")
+KINDS = ("slide", "hinge", "hinge", "slide", "hinge")
 
 
 def random_rotations(rng, n):
@@ -89,26 +89,26 @@ def test_jacobian_is_the_derivative_of_the_pose(chain, q):
         np.testing.assert_allclose(J[3:, i], [skew[2, 1], skew[0, 2], skew[1, 0]], atol=1e-12)
 
 
-def test_the_jacobians_derivative_forwards_in_reverse_and_by_differences(chain, q):
+def test_the_jacobian_can_be_differentiated(chain, q):
+    """In reverse, as a rollout does, against central differences."""
+
     def total(q):
         return (jacobian(chain, q)[1] * jnp.arange(6 * chain.size).reshape(6, -1)).sum()
 
-    forwards = np.asarray(jax.jit(jax.jacfwd(total))(q))
-    np.testing.assert_allclose(jax.jit(jax.grad(total))(q), forwards, atol=1e-10)
     steps = 1e-6 * np.eye(chain.size)
-    around = jax.jit(jax.vmap(total))(jnp.asarray(np.concatenate([q + steps, q - steps])))
-    numeric = (np.asarray(around[: chain.size]) - np.asarray(around[chain.size :])) / 2e-6
-    np.testing.assert_allclose(forwards, numeric, atol=1e-6)
+    around = np.asarray(jax.jit(jax.vmap(total))(jnp.asarray(np.concatenate([q + steps, q - steps]))))
+    numeric = (around[: chain.size] - around[chain.size :]) / 2e-6
+    np.testing.assert_allclose(jax.jit(jax.grad(total))(q), numeric, atol=1e-6)
 
 
 def test_an_arm_on_a_held_base_is_the_rest_of_the_chain(chain, q):
-    arm = jax.jit(arm_chain)(chain, q[:3])
-    assert arm.names == chain.names[3:]
-    pose, J = jax.jit(jacobian)(arm, q[3:])
+    arm = jax.jit(arm_chain)(chain, q[:2])
+    assert arm.names == chain.names[2:]
+    pose, J = jax.jit(jacobian)(arm, q[2:])
     whole, J_whole = jax.jit(jacobian)(chain, q)
     np.testing.assert_allclose(pose.p, whole.p, atol=1e-12)
     np.testing.assert_allclose(pose.R, whole.R, atol=1e-12)
-    np.testing.assert_allclose(J, J_whole[:, 3:], atol=1e-12)
+    np.testing.assert_allclose(J, J_whole[:, 2:], atol=1e-12)
 
 
 def test_another_tool_on_the_same_joints(chain, q):
@@ -124,11 +124,13 @@ def test_another_tool_on_the_same_joints(chain, q):
 
 
 def test_spheres_ride_on_their_links(chain, q):
-    spheres = Spheres(jnp.array([0, 6, 4]), jnp.arange(9.0).reshape(3, 3) / 10, jnp.ones(3))
+    spheres = Spheres(jnp.array([0, 4, 2]), jnp.arange(9.0).reshape(3, 3) / 10, jnp.ones(3))
     links = jax.tree.map(np.asarray, jax.jit(frames)(chain, q))
     found = jax.jit(sphere_centers)(chain, spheres, q)
-    for k, i in enumerate((0, 6, 4)):
-        np.testing.assert_allclose(found[k], links.p[i] + links.R[i] @ np.asarray(spheres.center[k]), atol=1e-12)
+    for k, i in enumerate((0, 4, 2)):
+        np.testing.assert_allclose(
+            found[k], links.p[i] + links.R[i] @ np.asarray(spheres.center[k]), atol=1e-12
+        )
 
 
 def test_worlds_side_by_side_equal_one_after_another(strict_ranks):
@@ -148,7 +150,12 @@ def test_poses_compose_invert_and_move_points(x64):
     @jax.jit
     def all_three(A, B):
         a, b = pose_from_matrix(A), pose_from_matrix(B)
-        return matrix_from_pose(a @ b), matrix_from_pose(a.inverse()), a.apply(jnp.asarray(points)), a @ Pose(b.p, b.R)
+        return (
+            matrix_from_pose(a @ b),
+            matrix_from_pose(a.inverse()),
+            a.apply(jnp.asarray(points)),
+            a @ Pose(b.p, b.R),
+        )
 
     product, inverse, moved, again = all_three(jnp.asarray(A), jnp.asarray(B))
     np.testing.assert_allclose(product, A @ B, atol=1e-12)

@@ -9,6 +9,8 @@ from jaxpaint.compiling import batched
 from jaxpaint.kinematics import IKSettings, Pose, forward, solve, spread_starts
 from sims.robots import load_robot
 
+CASES = 16  # every test solves for as many, so that there is one compilation
+
 
 @pytest.fixture(scope="module")
 def robot():
@@ -16,30 +18,51 @@ def robot():
 
 
 @pytest.fixture(scope="module")
-def find(robot):
-    """Solves for many brush poses at once, from four starts each, the base at (x, y, yaw)."""
+def solver(robot):
+    """One brush pose from four starts, the base at (x, y, yaw); also the pose that was reached."""
 
-    def one(q_base, target, spin_weight):
-        starts = spread_starts(robot.home, robot.lower, robot.upper, count=4)
-        settings = IKSettings(spin_weight=spin_weight)
-        solution = solve(robot.arm(q_base), starts, target, robot.lower, robot.upper, settings)
+    def one(q_base, target, spin_weight, lower, upper, tolerance):
+        starts = spread_starts(robot.home, lower, upper, count=4)
+        settings = IKSettings(spin_weight=spin_weight, position_tolerance=tolerance)
+        solution = solve(robot.arm(q_base), starts, target, lower, upper, settings)
         return solution, forward(robot.arm(q_base), solution.q)
 
-    return batched(one, in_axes=(0, 0, 0), chunk=16)
+    return batched(one, in_axes=(0, 0, None, None, None, None), chunk=CASES // 2)
+
+
+@pytest.fixture(scope="module")
+def find(robot, solver):
+    def many(q_base, target, spin_weight=1.0, lower=robot.lower, upper=robot.upper, tolerance=1e-4):
+        return solver(
+            q_base, target, *(jnp.asarray(x, jnp.float32) for x in (spin_weight, lower, upper, tolerance))
+        )
+
+    return many
 
 
 @pytest.fixture(scope="module")
 def brush(robot):
     """Brush poses of many postures."""
-    run = jax.jit(jax.vmap(lambda q_base, q: forward(robot.arm(q_base), q)))
-    return lambda q_base, q: run(jnp.asarray(q_base, jnp.float32), jnp.asarray(q, jnp.float32))
+    return jax.jit(jax.vmap(lambda q_base, q: forward(robot.arm(q_base), q)))
 
 
-def test_poses_that_the_arm_took_are_found_again(robot, find, brush):
-    rng = np.random.default_rng(0)
-    q_base = rng.uniform(-3, 3, (20, 3)).astype(np.float32)
-    target = brush(q_base, robot.home + rng.uniform(-0.8, 0.8, (20, 6)))
-    solution, reached = find(q_base, target, np.ones(20, np.float32))
+@pytest.fixture(scope="module")
+def at_origin():
+    return np.zeros((CASES, 3), np.float32)
+
+
+@pytest.fixture(scope="module")
+def near_home(robot):
+    """Postures around home, the first of them home itself."""
+    away = np.random.default_rng(0).uniform(-0.8, 0.8, (CASES, 6)).astype(np.float32)
+    away[0] = 0
+    return robot.home + away
+
+
+def test_poses_that_the_arm_took_are_found_again(find, brush, near_home):
+    q_base = np.random.default_rng(1).uniform(-3, 3, (CASES, 3)).astype(np.float32)
+    target = brush(q_base, near_home)
+    solution, reached = find(q_base, target)
     assert bool(solution.converged.all())
     distance = np.linalg.norm(reached.p - target.p, axis=-1)
     np.testing.assert_allclose(distance, solution.position_error, atol=2e-5)
@@ -47,42 +70,45 @@ def test_poses_that_the_arm_took_are_found_again(robot, find, brush):
     np.testing.assert_allclose(reached.R, target.R, atol=2e-3)
 
 
-def test_the_turn_about_the_brush_is_free_when_it_has_no_weight(robot, find, brush):
-    """A pose turned about the brush by a right angle: with no weight on that, no change of posture is needed."""
-    home = brush(np.zeros((2, 3)), np.tile(robot.home, (2, 1)))
+def test_the_turn_about_the_brush_is_free_when_it_has_no_weight(robot, find, brush, at_origin, near_home):
+    """Poses turned about the brush by a right angle."""
+    target = brush(at_origin, near_home)
     quarter = np.array([[0, -1, 0], [1, 0, 0], [0, 0, 1]], np.float32)
-    turned = Pose(home.p, jnp.asarray(np.asarray(home.R) @ quarter))
-    solution, reached = find(np.zeros((2, 3), np.float32), turned, np.array([0, 1], np.float32))
-    assert bool(solution.converged.all())
-    np.testing.assert_allclose(solution.q[0], robot.home, atol=1e-3)
-    assert float(np.abs(solution.q[1] - robot.home).max()) > 1.5
-    np.testing.assert_allclose(reached.R[1], turned.R[1], atol=2e-3)
+    turned = Pose(target.p, jnp.asarray(np.asarray(target.R) @ quarter))
+    free, reached = find(at_origin, turned, spin_weight=0.0)
+    assert bool(free.converged.all())
+    np.testing.assert_allclose(free.q[0], robot.home, atol=1e-3)  # no change of posture is needed
+    np.testing.assert_allclose(reached.R[..., 2], turned.R[..., 2], atol=2e-3)
+    whole, reached = find(at_origin, turned)
+    assert float(np.abs(whole.q[0] - robot.home).max()) > 1.5
+    np.testing.assert_allclose(reached.R[0], turned.R[0], atol=2e-3)
 
 
-def test_the_solution_next_to_home_is_taken(robot, find, brush):
+def test_the_solution_next_to_home_is_taken(robot, find, brush, at_origin, near_home):
     """Eight postures reach a pose near home; the one of home's kind wins."""
-    q = np.asarray(robot.home + 0.05)[None]
-    solution, _ = find(np.zeros((1, 3), np.float32), brush(np.zeros((1, 3)), q), np.ones(1, np.float32))
+    q = robot.home + (near_home - robot.home) / 16
+    solution, _ = find(at_origin, brush(at_origin, q))
     np.testing.assert_allclose(solution.q, q, atol=5e-3)
 
 
-def test_out_of_reach_and_not_a_number_are_said(robot, find, brush):
-    home = brush(np.zeros((3, 3)), np.tile(robot.home, (3, 1)))
-    asked = Pose(home.p + jnp.array([[2.0, 0, 0], [jnp.nan] * 3, [0.05, 0, 0]]), home.R)
-    solution, _ = find(np.zeros((3, 3), np.float32), asked, np.ones(3, np.float32))
-    assert solution.converged.tolist() == [False, False, True]
-    assert 1.0 < float(solution.position_error[0]) < 3.0
-    assert bool((solution.q[0] >= robot.lower).all() & (solution.q[0] <= robot.upper).all())
+def test_out_of_reach_and_not_a_number_are_said(robot, find, brush, at_origin, near_home):
+    target = brush(at_origin, near_home)
+    offset = np.zeros((CASES, 3), np.float32)
+    offset[1], offset[2] = [2.0, 0, 0], np.nan
+    solution, _ = find(at_origin, Pose(target.p + offset, target.R))
+    assert solution.converged.tolist() == [True, False, False, *[True] * (CASES - 3)]
+    assert 1.0 < float(solution.position_error[1]) < 3.0
+    assert bool((solution.q[1] >= robot.lower).all() & (solution.q[1] <= robot.upper).all())
 
 
-def test_limits_hold_even_where_they_forbid_the_pose(robot, brush):
+def test_limits_hold_even_where_they_forbid_the_pose(robot, find, brush, at_origin, near_home):
     """With the elbow held near home, a pose that needs it bent further is missed, not reached by force."""
-    wanted = brush(np.zeros((1, 3)), np.asarray(robot.home.at[2].add(0.5))[None])
+    bent = near_home.at[0, 2].add(0.9)
     lower, upper = robot.lower.at[2].set(robot.home[2] - 0.1), robot.upper.at[2].set(robot.home[2] + 0.1)
-    target = Pose(wanted.p[0], wanted.R[0])
-    solution = jax.jit(lambda: solve(robot.arm(jnp.zeros(3)), robot.home[None], target, lower, upper))()
+    solution, _ = find(at_origin, brush(at_origin, bent), lower=lower, upper=upper)
     assert bool((solution.q >= lower).all() & (solution.q <= upper).all())
-    assert not bool(solution.converged)
+    assert not bool(solution.converged[0])
+    assert bool(find(at_origin, brush(at_origin, bent))[0].converged[0])
 
 
 def test_base_and_arm_together(robot):
@@ -114,16 +140,9 @@ def test_starts_are_spread_within_the_limits(robot):
         assert np.bincount(quarters[:, joint].astype(int), minlength=4).min() >= 8
 
 
-def test_one_compilation_for_all_worlds_and_settings(robot):
-    def reach(x, tolerance):
-        home = forward(robot.arm(jnp.zeros(3)), robot.home)
-        target = Pose(home.p + jnp.stack([x, 0 * x, 0 * x]), home.R)
-        settings = IKSettings(position_tolerance=tolerance, iterations=12)
-        return solve(robot.arm(jnp.zeros(3)), robot.home[None], target, robot.lower, robot.upper, settings)
-
-    run = batched(reach, in_axes=(0, None), chunk=2)
-    near = run(jnp.array([0.0, 0.05, -0.05]), jnp.asarray(1e-4))
-    assert bool(near.converged.all())
-    assert not bool(run(jnp.array([0.0, 3.0, -0.05]), jnp.asarray(1e-4)).converged.all())
-    assert not bool(run(jnp.array([0.02, 0.05, -0.05]), jnp.asarray(-1.0)).converged.any())
-    assert run.traces == 1
+def test_limits_weights_and_tolerances_do_not_compile_again(solver, find, brush, at_origin, near_home):
+    target = brush(at_origin, near_home)
+    find(at_origin, target)
+    traces = solver.traces
+    assert not bool(find(at_origin, target, spin_weight=0.5, tolerance=-1.0)[0].converged.any())
+    assert solver.traces == traces

@@ -5,7 +5,6 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxpaint.compiling import batched
 from jaxpaint.kinematics import jacobian, manipulability, manipulability_gradient, solve_spd
 from sims.robots import load_robot
 
@@ -38,31 +37,28 @@ def test_the_measure_is_the_product_of_singular_values(x64):
 
 
 def test_the_gradient_is_that_of_differentiation(x64):
-    """For the whole robot, two slides and seven hinges, and for the arm's columns alone, added up."""
-    robot = load_robot()
+    """Of the whole robot, two slides among it, and of the arm alone: dm = m tr(A^-1 dJ J^T), dJ by JAX."""
+    robot, damping = load_robot(), 1e-4
 
-    def total(q, damping):
-        J = jacobian(robot.chain, q)[1]
-        return manipulability(J, damping) + 2 * manipulability(J[:, 3:], damping)
+    @jax.jit
+    @jax.vmap
+    def read(q):
+        J, dJ = jacobian(robot.chain, q)[1], jax.jacfwd(lambda q: jacobian(robot.chain, q)[1])(q)
+        return J, dJ, [manipulability_gradient(J[:, first:], damping) for first in (0, 3)]
 
-    def by_hand(q, damping):
-        J = jacobian(robot.chain, q)[1]
-        whole, arm = manipulability_gradient(J, damping)[1], manipulability_gradient(J[:, 3:], damping)[1]
-        return whole.at[3:].add(2 * arm)  # where the base stands is all the same to the arm
-
-    rng = np.random.default_rng(0)
-    qs = np.asarray(robot.at_home(jnp.zeros(3))) + np.concatenate([np.zeros((1, 9)), rng.uniform(-1, 1, (7, 9))])
-    damping = jnp.asarray([0.0, 1e-3] * 4)
-    automatic = batched(jax.grad(total), in_axes=(0, 0), chunk=4)(jnp.asarray(qs), damping)
-    assert float(jnp.abs(automatic).max()) > 0.01
-    np.testing.assert_allclose(jax.jit(jax.vmap(by_hand))(jnp.asarray(qs), damping), automatic, atol=1e-9)
+    q = np.asarray(robot.at_home(jnp.zeros(3))) + np.random.default_rng(0).uniform(-1, 1, (6, 9))
+    whole_J, whole_dJ, found = jax.tree.map(np.asarray, read(jnp.asarray(q)))
+    for first, (m, gradient) in zip((0, 3), found, strict=True):
+        J, dJ = whole_J[:, :, first:], whole_dJ[:, :, first:, first:]
+        A = J @ J.transpose(0, 2, 1) + damping * np.eye(6)
+        np.testing.assert_allclose(m, np.sqrt(np.linalg.det(A)), rtol=1e-10)
+        expected = m[:, None] * np.einsum("nab,nbik,nai->nk", np.linalg.inv(A), dJ, J)
+        assert np.abs(expected).max() > 0.01
+        np.testing.assert_allclose(gradient, expected, atol=1e-11)
 
 
 def test_a_stretched_arm_has_no_measure_and_a_finite_gradient():
     robot = load_robot()
-
-    def read(q):
-        return manipulability_gradient(jacobian(robot.chain, q)[1][:, 3:])
-
-    m, gradient = jax.jit(read)(jnp.zeros(9))  # elbow stretched and wrist aligned
+    J = jax.jit(jacobian)(robot.chain, jnp.zeros(9))[1][:, 3:]  # elbow stretched and wrist aligned
+    m, gradient = jax.jit(manipulability_gradient)(J)
     assert 0 <= float(m) < 1e-3 and bool(jnp.isfinite(gradient).all())

@@ -39,7 +39,9 @@ def over(function, *arguments):
 
 def test_products(rotations, x64):
     v = np.random.default_rng(1).normal(size=(12, 3))
-    np.testing.assert_allclose(over(compose, rotations, rotations[::-1]), rotations @ rotations[::-1], atol=1e-12)
+    np.testing.assert_allclose(
+        over(compose, rotations, rotations[::-1]), rotations @ rotations[::-1], atol=1e-12
+    )
     np.testing.assert_allclose(over(rotate, rotations, v), np.einsum("nij,nj->ni", rotations, v), atol=1e-12)
     np.testing.assert_allclose(over(transpose, rotations), np.linalg.inv(rotations), atol=1e-12)
 
@@ -77,7 +79,7 @@ def test_gradients_are_finite_at_the_identity_and_at_half_turns():
 
 
 def test_small_parts_are_the_rotation_vector(x64):
-    """At the identity, the derivative of swing and twist with respect to the rotation vector is the identity."""
+    """At the identity, swing and twist are the rotation vector to first order."""
     at_zero = jax.jit(jax.jacfwd(lambda w: swing_twist(exponential(w))))(jnp.zeros(3))
     np.testing.assert_allclose(at_zero, np.eye(3), atol=1e-12)
 

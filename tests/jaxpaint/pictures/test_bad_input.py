@@ -84,6 +84,8 @@ WRONG = {
         "deep",
     ),
     "too many numbers": (f'<polyline points="{"1 2 " * 300_001}"/>', "600000 numbers"),
+    "too many commands": (f'<path d="M0 0{"z" * 700_000}"/>', "600000 numbers and commands"),
+    "too much style": (f"<style>{'a{b:c}' * 200_000}</style>", "1000000 characters"),
     "too many points": (f'<polyline points="{"1 2 3 4 " * 100_002}"/>', "200000"),
 }
 
@@ -159,7 +161,7 @@ def test_wrong_content(tmp_path, case):
 
 
 @pytest.mark.parametrize(
-    ("limit", "found"), [("MAX_ELEMENTS", "multiply"), ("MAX_LINES", "lines"), ("MAX_NUMBERS", "numbers")]
+    ("limit", "found"), [("MAX_ELEMENTS", "multiply"), ("MAX_LINES", "lines"), ("MAX_SYMBOLS", "numbers")]
 )
 def test_uses_that_multiply(tmp_path, monkeypatch, limit, found):
     """A billion lines in a kilobyte. The limits are lowered, because reaching them takes a second each."""

@@ -122,6 +122,11 @@ def test_paper_under_the_picture_is_not_ink(draw):
     )
 
 
+def test_a_frame_drawn_round_the_page_is_ink(draw):
+    framed = '<rect width="100%" height="100%" fill="white" stroke="black"/>'
+    assert len(draw(f'{framed}<path d="{SQUARE}"/>').lines) == 2
+
+
 def test_an_ending_at_the_start_closes_a_line(draw):
     drawing = draw('<path d="M10 10 a5 5 0 0 1 10 0 a5 5 0 0 1 -10 0.00000001"/>')
     assert drawing.closed == (True,)

@@ -111,6 +111,16 @@ def test_an_outline_is_entered_where_the_pen_comes_from_and_closed_again():
     assert strokes.travel == pytest.approx(0.5)
 
 
+def test_an_outline_is_entered_between_the_line_before_and_the_line_after():
+    """Greedy enters the ring where it is nearest; the least detour towards the next line is elsewhere."""
+    t = np.linspace(0, 2 * np.pi, 361)
+    ring = np.stack([np.cos(t), np.sin(t)], axis=1)
+    ring[-1] = ring[0]
+    lines = [np.array([[-3.0, 0], [-2, 0]]), ring, np.array([[0.0, 2], [0, 3]])]
+    middle = painted(lines, shortened(lines, greedy_route(lines, np.array([-3.0, 0]))))[1]
+    np.testing.assert_allclose(middle[0], [-np.sqrt(0.5), np.sqrt(0.5)], atol=0.02)
+
+
 def test_pieces_are_joined_and_dots_dropped():
     drawing = drawing_of([[0, 0], [1, 0]], [[2, 0], [1, 0]], [[0.5, 0.5], [0.5003, 0.5]])
     strokes = plan_strokes(drawing, 0.5)

@@ -10,7 +10,7 @@ from jaxpaint.errors import InputError
 from jaxpaint.kinematics import forward, frames, jacobian, sphere_centers
 from sims.robots import chain_from_model, load_robot, robot_model
 
-# Everything that the reference robot does not have: tilted axes, anchors, a reference angle, a slide in the arm.
+# What the reference robot does not have: tilted axes, anchors, a reference angle, a slide in the arm.
 ODD = """
 <mujoco><worldbody><body name="b" pos="0.1 0.2 0.3" euler="10 20 30">
   <joint name="base_x" type="slide" axis="1 0 0"/><joint name="base_y" type="slide" axis="0 1 0"/>
@@ -87,6 +87,15 @@ def test_spheres_ride_where_mujoco_puts_the_geoms(x64, tmp_path):
     assert not (frame == 5).any()
 
 
+def test_speed_limits_are_those_of_velocity_servos_alone(tmp_path):
+    path = tmp_path / "odd.xml"
+    servos = """<actuator>
+      <position joint="one" kp="10" ctrlrange="-2 2"/><motor joint="two" ctrlrange="-9 9"/>
+      <velocity joint="three" kv="10" ctrlrange="-0.2 0.3"/></actuator></mujoco>"""
+    path.write_text(ODD.replace("</mujoco>", servos))
+    np.testing.assert_allclose(load_robot(path).speed_limit[3:], [np.pi, np.pi, 0.2], rtol=1e-6)
+
+
 def test_defaults_of_a_file_that_says_little(tmp_path):
     path = tmp_path / "odd.xml"
     path.write_text(ODD)
@@ -105,7 +114,11 @@ def test_defaults_of_a_file_that_says_little(tmp_path):
         ('site name="camera"', 'site name="eye"', "no site named 'camera'.*brush, eye"),
         ('key name="home"', 'key name="away"', "home"),
         ('type="slide" axis="0 1 0"', 'type="hinge" axis="0 1 0"', "allowed: slide, slide, hinge"),
-        ('<site name="camera"', '<body><joint/><geom size="1"/></body></body><body><site name="camera"', "same link"),
+        (
+            '<site name="camera"',
+            '<body><joint/><geom size="1"/></body></body><body><site name="camera"',
+            "same link",
+        ),
         ("</mujoco>", "", "odd.xml.*not an MJCF"),
     ],
 )
@@ -140,7 +153,9 @@ def test_a_robot_is_arrays_and_names_alone():
     def tip(robot):
         nonlocal traces
         traces += 1
-        return forward(robot.chain, robot.at_home(jnp.zeros(3))).p, frames(robot.chain, robot.at_home(jnp.zeros(3))).p
+        return forward(robot.chain, robot.at_home(jnp.zeros(3))).p, frames(
+            robot.chain, robot.at_home(jnp.zeros(3))
+        ).p
 
     tip(robot)
     tip(jax.tree.map(lambda x: x * 1, robot))

@@ -1,11 +1,11 @@
 """The reference robot's file: S4's table, the maker's limits, a painting posture with room around it."""
 
-import jax
 import jax.numpy as jnp
 import mujoco
 import numpy as np
 import pytest
 
+from jaxpaint.compiling import batched
 from jaxpaint.kinematics import (
     IKSettings,
     Pose,
@@ -41,7 +41,9 @@ def dh_flange(q):
     T = np.eye(4)
     for angle, (a, alpha, d) in zip(q, DH, strict=True):
         c, s, ca, sa = np.cos(angle), np.sin(angle), np.cos(alpha), np.sin(alpha)
-        T = T @ np.array([[c, -s * ca, s * sa, a * c], [s, c * ca, -c * sa, a * s], [0, sa, ca, d], [0, 0, 0, 1]])
+        T = T @ np.array(
+            [[c, -s * ca, s * sa, a * c], [s, c * ca, -c * sa, a * s], [0, sa, ca, d], [0, 0, 0, 1]]
+        )
     return T
 
 
@@ -66,10 +68,14 @@ def test_limits_are_the_makers(robot):
 
 
 def test_wheels_and_footprint(robot):
-    np.testing.assert_allclose(robot.wheels.position, [[0.28, 0.22], [0.28, -0.22], [-0.28, 0.22], [-0.28, -0.22]])
+    np.testing.assert_allclose(
+        robot.wheels.position, [[0.28, 0.22], [0.28, -0.22], [-0.28, 0.22], [-0.28, -0.22]]
+    )
     assert float(robot.wheels.radius) == pytest.approx(0.10)
     front_left, _, rear_right, _ = robot.footprint
-    np.testing.assert_allclose(front_left, [0.38, 0.30], atol=0.01)  # a wheel's rim lies 5 mm ahead of the chassis
+    np.testing.assert_allclose(
+        front_left, [0.38, 0.30], atol=0.01
+    )  # a wheel's rim lies 5 mm ahead of the chassis
     np.testing.assert_allclose(rear_right, [-0.38, -0.30], atol=0.01)
 
 
@@ -103,11 +109,13 @@ def test_the_mujoco_camera_looks_where_the_site_says():
     camera, site = data.cam("wrist_camera"), data.site("camera")
     np.testing.assert_allclose(camera.xpos, site.xpos, atol=1e-12)
     # MuJoCo's cameras look along -z with y up
-    np.testing.assert_allclose(camera.xmat.reshape(3, 3) @ np.diag([1, -1, -1]), site.xmat.reshape(3, 3), atol=1e-12)
+    np.testing.assert_allclose(
+        camera.xmat.reshape(3, 3) @ np.diag([1, -1, -1]), site.xmat.reshape(3, 3), atol=1e-12
+    )
 
 
 def test_a_wall_in_front_of_the_shoulder_is_workable(robot):
-    """From 0.6 m to 0.9 m ahead, 0.35 m to either side, 0.8 m to 1.4 m high: reachable, dexterous, clear of the wall."""
+    """0.6 m to 0.9 m ahead, 0.35 m to either side, 0.8 m to 1.4 m high: reachable, dexterous, clear."""
     arm = robot.arm(jnp.zeros(3))
     R = frame_from_axis(jnp.asarray(INTO_WALL, jnp.float32), jnp.asarray(TO_THE_RIGHT, jnp.float32))
     shoulder = 0.15
@@ -119,7 +127,7 @@ def test_a_wall_in_front_of_the_shoulder_is_workable(robot):
         clear = p[0] - (centers[:, 0] + robot.spheres.radius).max()
         return found.converged, manipulability(jacobian(arm, found.q)[1]), clear
 
-    converged, measure, clear = jax.jit(jax.vmap(reach))(jnp.asarray(box, jnp.float32))
+    converged, measure, clear = batched(reach, in_axes=(0,), chunk=9)(jnp.asarray(box, jnp.float32))
     assert bool(converged.all())
     assert float(measure.min()) > 0.02
     assert float(clear.min()) > 0.08

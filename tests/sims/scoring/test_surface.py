@@ -38,9 +38,7 @@ def test_small_offsets_far_from_the_origin_survive_single_precision(plane):
 
 
 def test_samples_lie_evenly_on_the_surface(pillar):
-    points = SAMPLES(
-        pillar.chart, jnp.asarray([-0.3, 0.0]), jnp.asarray([0.3, 1.0]), columns=6, rows=4
-    )
+    points = SAMPLES(pillar.chart, jnp.asarray([-0.3, 0.0]), jnp.asarray([0.3, 1.0]), columns=6, rows=4)
     assert points.shape == (24, 3)
     np.testing.assert_allclose(np.hypot(points[:, 0] - 0.5, points[:, 1]), 0.5, rtol=1e-5)
     first_row = np.asarray(points[:6])

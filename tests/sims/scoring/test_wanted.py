@@ -61,8 +61,7 @@ def test_line_that_jumps_to_another_sheet_is_cut(plane):
             return uv + jnp.where(uv[0] > 0.1, jnp.asarray([0.2, 0.0]), 0), height
 
     scene = plane()
-    chart = Torn(scene.chart.lower, scene.chart.upper, 0.0)
-    torn = type(scene)(chart, 0.5)
+    torn = type(scene)(Torn(scene.chart.lower, scene.chart.upper, 0.0), 0.5)
     wanted = wanted_area([LINE], torn, CANVAS, (np.asarray([-0.6, -0.1]), np.asarray([0.7, 0.1])), 0.010)
     assert [round(float(np.ptp(line[:, 0])), 2) for line in wanted.lines] == [0.5, 0.3]
     assert not at(wanted, wanted.mask, 0.2, 0.0)

@@ -14,8 +14,15 @@ from sims.sensors.depth_noise import correlated_normal
 CAMERA = Camera()
 KEY = jax.random.key(0)
 RENDER = jax.jit(render)
-OBSERVE = jax.jit(observe)
+TRACES = []
 FIELD = jax.jit(correlated_normal, static_argnums=0, static_argnames="dtype")
+
+
+@jax.jit
+def compiled_observe(*args, key):
+    """`observe`, compiled once for all tests; notes each time it is traced."""
+    TRACES.append(args)
+    return observe(*args, key=key)
 
 
 def frontal(depth, *, grey=0.5, incidence=1.0):
@@ -35,14 +42,14 @@ def only(**effects):
 
 def test_zero_changes_nothing(plane, R_map_camera):
     truth = RENDER(plane(), CAMERA, jnp.asarray([-1.0, 0, 1]), R_map_camera)
-    seen = OBSERVE(truth, CAMERA, DepthNoise.zero(), key=KEY)
+    seen = compiled_observe(truth, CAMERA, DepthNoise.zero(), key=KEY)
     np.testing.assert_array_equal(seen.valid, truth.valid)
     np.testing.assert_allclose(seen.depth, truth.depth, rtol=1e-6)
 
 
 @pytest.mark.parametrize("depth", [0.5, 1.0, 2.0])
 def test_depth_error_grows_with_the_square_of_depth(depth):
-    seen = OBSERVE(frontal(depth), CAMERA, only(disparity_sigma=0.1), key=KEY)
+    seen = compiled_observe(frontal(depth), CAMERA, only(disparity_sigma=0.1), key=KEY)
     focal = 848 / 2 / np.tan(np.radians(87 / 2))
     expected = depth**2 * 0.1 / (focal * 0.05)
     assert np.std(seen.depth) == pytest.approx(expected, rel=0.03)
@@ -68,7 +75,7 @@ def test_length_zero_is_white():
 def test_disparity_comes_in_steps(plane, R_map_camera):
     turned = jnp.asarray([[0.0, 0.3, 1], [-1, 0, 0], [0, -1, 0]])
     truth = RENDER(plane(), CAMERA, jnp.asarray([-1.0, 0, 1]), turned)
-    seen = OBSERVE(truth, CAMERA, only(quantum=1 / 32), key=KEY)
+    seen = compiled_observe(truth, CAMERA, only(quantum=1 / 32), key=KEY)
     product = float(CAMERA.fx) * 4 * 0.05
     steps = product / np.asarray(seen.depth)[np.asarray(seen.valid)] * 32
     assert np.abs(steps - np.rint(steps)).max() < 0.01
@@ -79,7 +86,7 @@ def test_disparity_comes_in_steps(plane, R_map_camera):
 
 def test_pixels_fly_at_depth_edges_and_nowhere_else(step_wall, R_map_camera):
     truth = RENDER(step_wall, CAMERA, jnp.asarray([-1.3, 0, 1]), R_map_camera)
-    seen = OBSERVE(truth, CAMERA, only(flying=0.6), key=KEY)
+    seen = compiled_observe(truth, CAMERA, only(flying=0.6), key=KEY)
     moved = np.asarray(jnp.abs(seen.depth - truth.depth) > 1e-4)
     # The two columns beside the step.
     columns = np.flatnonzero(moved.any(0))
@@ -96,7 +103,7 @@ def test_a_slanted_wall_is_no_edge(plane, R_map_camera):
     c, s = np.cos(0.8), np.sin(0.8)
     turned = jnp.asarray([[c, -s, 0.0], [s, c, 0], [0, 0, 1]]) @ R_map_camera
     truth = RENDER(plane(), CAMERA, jnp.asarray([-1.0, 0, 1]), turned)
-    seen = OBSERVE(truth, CAMERA, only(flying=1.0), key=KEY)
+    seen = compiled_observe(truth, CAMERA, only(flying=1.0), key=KEY)
     kept = np.asarray(seen.valid)
     np.testing.assert_allclose(np.asarray(seen.depth)[kept], np.asarray(truth.depth)[kept], rtol=1e-5)
 
@@ -104,31 +111,31 @@ def test_a_slanted_wall_is_no_edge(plane, R_map_camera):
 @pytest.mark.parametrize(("degrees", "lost"), [(60, 0.0), (78.5, 0.5), (88, 1.0)])
 def test_grazing_pixels_are_lost(degrees, lost):
     noise = only(grazing=np.radians(78.5), grazing_width=0.03)
-    seen = OBSERVE(frontal(1.0, incidence=np.cos(np.radians(degrees))), CAMERA, noise, key=KEY)
+    seen = compiled_observe(frontal(1.0, incidence=np.cos(np.radians(degrees))), CAMERA, noise, key=KEY)
     assert 1 - np.mean(seen.valid) == pytest.approx(lost, abs=0.02)
     assert (np.asarray(seen.depth)[~np.asarray(seen.valid)] == 0).all()
 
 
 @pytest.mark.parametrize(("grey", "lost"), [(0.3, 0.0), (0.04, 0.5), (0.0, 1.0)])
 def test_dark_pixels_are_lost(grey, lost):
-    seen = OBSERVE(frontal(1.0, grey=grey), CAMERA, only(dark=0.04, dark_width=0.008), key=KEY)
+    seen = compiled_observe(frontal(1.0, grey=grey), CAMERA, only(dark=0.04, dark_width=0.008), key=KEY)
     assert 1 - np.mean(seen.valid) == pytest.approx(lost, abs=0.02)
 
 
 def test_same_key_same_picture_and_another_key_another():
-    a, b, c = (OBSERVE(frontal(1.0), CAMERA, DepthNoise(), key=jax.random.key(k)).depth for k in (1, 1, 2))
+    a, b, c = (
+        compiled_observe(frontal(1.0), CAMERA, DepthNoise(), key=jax.random.key(k)).depth for k in (1, 1, 2)
+    )
     np.testing.assert_array_equal(a, b)
     assert np.mean(np.asarray(a) != np.asarray(c)) > 0.5
 
 
 def test_sweeping_a_parameter_does_not_trace_again():
-    traces = []
-
-    @jax.jit
-    def picture(noise):
-        traces.append(noise)
-        return observe(frontal(1.0), CAMERA, noise, key=KEY).depth
-
-    for sigma in (0.0, 0.1, 0.2):
-        picture(DepthNoise(disparity_sigma=sigma))
-    assert len(traces) == 1
+    compiled_observe(frontal(1.0), CAMERA, DepthNoise(), key=KEY)
+    before = len(TRACES)
+    spreads = [
+        np.std(compiled_observe(frontal(1.0), CAMERA, only(disparity_sigma=s), key=KEY).depth)
+        for s in (0.1, 0.2)
+    ]
+    assert spreads[1] > 1.9 * spreads[0]
+    assert len(TRACES) == before > 0
