@@ -13,12 +13,13 @@ from jaxpaint.decisions.thresholds import default_thresholds
 from jaxpaint.mapping.canvas import Canvas
 from jaxpaint.mapping.raycast import MappingSettings
 from jaxpaint.pictures import Drawing, Strokes, fit, plan_strokes, read_drawing
-from jaxpaint.planning import ViewpointSettings, plan_viewpoints
+from jaxpaint.planning import plan_viewpoints
 from opt.wbc import default_settings
 from sims.limits import robot_limits
 from sims.noise import noise_preset
 from sims.paint import Brush, PaintGrid, canvas_extent
-from sims.painting.job import CONTROL_PERIOD, Job
+from sims.painting.job import CONTROL_PERIOD, SURVEY, Job
+from sims.painting.survey import survey
 from sims.robots import load_robot
 from sims.scenes.canvases import canvas_for
 from sims.scenes.captured import captured
@@ -57,11 +58,15 @@ def paint_task(options: PaintOptions) -> PaintTask:
     size = (float(canvas.size[0]), float(canvas.size[1]))
     drawing = fit(picture, size)
     strokes = plan_strokes(drawing, SPACING)
-    camera, views = Camera(), ViewpointSettings()
-    viewpoints = plan_viewpoints(size, (camera.width / float(camera.fx), camera.height / float(camera.fy)), views)
+    camera, limits = Camera(), robot_limits(robot)
+    seed = jax.random.key(options.seed)
+    home = (float(limits.home[0]), float(limits.home[1]))
+    profile, echoes = survey(scene, canvas, robot, home, key=jax.random.fold_in(seed, SURVEY))
+    middle, field = float(canvas.center[2]), (camera.width / float(camera.fx), camera.height / float(camera.fy))
+    views = plan_viewpoints(profile, (middle - size[1] / 2, middle + size[1] / 2), field, home)
     job = Job(
         robot=robot,
-        limits=robot_limits(robot),
+        limits=limits,
         scene=scene,
         canvas=canvas,
         camera=camera,
@@ -72,12 +77,13 @@ def paint_task(options: PaintOptions) -> PaintTask:
         mapping=MappingSettings(brush_radius=options.brush_radius),
         picture=jnp.asarray(strokes.points, float),
         stroke=jnp.asarray(strokes.stroke, jnp.int32),
-        views=jnp.asarray(viewpoints.view, float),
-        stops=jnp.asarray(viewpoints.stop, float),
-        view_distance=jnp.asarray(views.distance),
+        camera_place=jnp.asarray(views.camera, float),
+        camera_heading=jnp.asarray(views.heading, float),
+        camera_base=jnp.asarray(views.base, float),
+        echoes=jnp.asarray(echoes, float),
         speed=jnp.asarray(options.speed),
         dt=jnp.asarray(CONTROL_PERIOD),
-        seed=jax.random.key_data(jax.random.key(options.seed)),
+        seed=jax.random.key_data(seed),
     )
     extent = canvas_extent(scene, canvas, margin=_RIM + 2 * options.brush_radius)
     grid = PaintGrid.covering(*extent, options.brush_radius / 5)

@@ -51,13 +51,15 @@ VARIANTS = (
 )
 
 
-def run(settings: ReproduceSettings | None = None, lists: int = LISTS) -> ReproduceResult:
+def run(
+    settings: ReproduceSettings | None = None, lists: int = LISTS, variants: tuple[Variant, ...] = VARIANTS
+) -> ReproduceResult:
     """Accuracy of every variant, over all lists and by kind; the paper publishes none."""
     first = FIRST_HELD_OUT + 2 * lists * (settings or ReproduceSettings()).seed
     drawn = [draw_list(seed) for seed in range(first, first + lists)]
     is_path = np.array([one.is_path for one in drawn])
     rows, values = [], {}
-    for variant in VARIANTS:
+    for variant in variants:
         chosen, values[variant.name] = evaluate(drawn, variant)
         right = chosen == is_path
         for what, among in (("all", is_path | True), ("waypoints", ~is_path), ("strokes", is_path)):
@@ -102,15 +104,17 @@ def _figure(values: dict[str, np.ndarray], is_path: np.ndarray, thresholds: Thre
     """How the statistic falls for both kinds, and the band of S1."""
     band = float(thresholds.variance_lower), float(thresholds.variance_upper)
     with look():
-        figure = new_figure(5.5)
-        axes = figure.subplots(2, 3, sharex=True)
-        for axis, (name, value) in zip(axes.flat, values.items(), strict=True):
+        across = min(3, len(values))
+        down = -(-len(values) // across)
+        figure = new_figure(1 + 2.25 * down)
+        axes = figure.subplots(down, across, sharex=True, squeeze=False)
+        for axis, (name, value) in zip(axes.flat, values.items(), strict=False):
             axis.axvspan(*band, color=INK, alpha=0.08, linewidth=0)
             for kind, colour, label in ((~is_path, EXCESS, "waypoints"), (is_path, PAINT, "strokes")):
                 axis.hist(value[kind], bins=np.linspace(0, 1, 51), color=colour, alpha=0.75, label=label)
             axis.set_title(name)
         axes[0, 0].legend()
-        for axis in axes[1]:
+        for axis in axes[-1]:
             axis.set_xlabel("statistic, S1-(7); the band is grey")
         for axis in axes[:, 0]:
             axis.set_ylabel("lists")

@@ -123,7 +123,9 @@ def _hatch(rng: np.random.Generator) -> list[np.ndarray]:
 
 
 def _drawing(rng: np.random.Generator) -> list[np.ndarray]:
-    lines = [line for _ in range(rng.integers(3, 10)) for line in rng.choice([_line, _curve, _circle])(rng)]
+    lines = [
+        line for _ in range(rng.integers(3, 10)) for line in (_line, _curve, _circle)[rng.integers(3)](rng)
+    ]
     return [0.3 * line + rng.uniform((-1, -0.3), (1, 0.3)) for line in lines]
 
 
@@ -150,7 +152,7 @@ def _wall(rng: np.random.Generator):
         else:
             heading = np.where(u < 0, np.pi / 4, -np.pi / 4) if wall == "corner" else np.full_like(u, lean)
             p = u[:, None] * np.stack([np.sin(heading), -np.cos(heading)], -1)
-        ahead = np.stack([np.cos(heading), -np.sin(heading) if wall == "cylinder" else np.sin(heading)], -1)
+        ahead = np.stack([np.cos(heading), np.sin(heading)], -1)
         p = p - np.broadcast_to(height, u.shape)[:, None] * ahead
         z = np.concatenate([ahead, np.zeros((len(u), 1))], -1)
         x = np.stack([z[:, 1], -z[:, 0], z[:, 2]], -1)

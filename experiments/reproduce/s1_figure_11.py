@@ -24,6 +24,7 @@ _ROOM = 2**15
 """Points that each cloud is padded to: one program for all walls."""
 _MARGIN = 0.12
 """Of the cloud around the canvas [m]."""
+_METRICS: dict[str, Metric] = {"ours": "distance", "cosine metric": "cosine"}
 _ARROW = 0.12
 """Length of the drawn brush directions [m]."""
 
@@ -44,7 +45,7 @@ def run(settings: ReproduceSettings | None = None) -> ReproduceResult:
     del settings
     rows, shown = [], []
     for name in WALLS:
-        for variant, metric in (("ours", "distance"), ("cosine metric", "cosine")):
+        for variant, metric in _METRICS.items():
             wall = map_curve(name, metric)
             hit = np.asarray(wall.mapped.status) == Cause.HIT
             figures = {
@@ -96,7 +97,7 @@ def _curve(number: int) -> np.ndarray:
 def _figure(walls: list[MappedWall]) -> Figure:
     """Side view (the robot's right against up) above, top view below."""
     with look():
-        figure = new_figure(5.6, 12.0)
+        figure = new_figure(4.2, 12.0)
         axes = figure.subplots(2, len(walls), height_ratios=(1, 1.4), sharex=True, sharey="row")
         for column, wall in zip(axes.T, walls, strict=True):
             _view(column[0], wall, _seen_from_the_robot)

@@ -29,6 +29,7 @@ def update_halt(
     travelled: Float[Array, ""],
     distance: Float[Array, ""],
     arrived: Float[Array, ""],
+    worthwhile: Float[Array, ""],
     thresholds: Thresholds,
     dt: Float[Array, ""],
 ) -> HaltState:
@@ -36,14 +37,14 @@ def update_halt(
 
     travelled: base travel of the last step as odometry sees it [m]; never the true one. distance: how far the
     brush is from its best place before the arm [m]. arrived: 1 when the base stands where it was sent; it
-    halts then too. With Theta infinite the latch is off: the base is never halted.
+    halts then too. worthwhile: 1 where the way to go is worth a start. With Theta infinite the latch is off: the base is never halted.
     """
     t = thresholds
     enabled = jnp.isfinite(t.halt_travel).astype(travelled.dtype)
     travel = state.travel + travelled * (1 - state.halted)
     stop = jnp.maximum(exceeds(travel, t.halt_travel, t.halt_temperature), arrived) * (1 - state.halted)
     rested = (state.rest >= t.dwell).astype(travelled.dtype)
-    go = exceeds(distance, t.release_margin, t.release_temperature) * rested * (1 - arrived) * state.halted
+    go = exceeds(distance, t.release_margin, t.release_temperature) * rested * worthwhile * (1 - arrived) * state.halted
     halted = (state.halted + stop - go) * enabled
     return HaltState(
         halted=halted,

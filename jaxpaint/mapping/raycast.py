@@ -85,7 +85,9 @@ def cast(
     guess = jnp.concatenate([uv, depth[:, None]], axis=-1)
     patches = jax.vmap(lambda guess: far_patch(guess, cells, outer))(guess)
     noise = _noise(patches, found)
-    hit, normal, status = jax.vmap(lambda *ray: _surface(*ray, cells, noise, settings))(guess, patches)
+    hit, normal, status = jax.vmap(_surface, in_axes=(0, 0, None, None, None))(
+        guess, patches, cells, noise, settings
+    )
     status = jnp.where(found, status, jnp.where(seen, Cause.FRONT, Cause.MISS)).astype(jnp.int32)
     nowhere = ((status == Cause.MISS) | (status == Cause.FRONT))[:, None]
     hit = jnp.where(nowhere, guess.at[:, 2].set(0), hit)

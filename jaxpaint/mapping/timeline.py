@@ -125,7 +125,8 @@ def _plan_moves(
         seen = jnp.concatenate([seen, real])
 
     def plan(start, end, rises, lowers):
-        ends, normals = mapped.p_map[jnp.stack([start, end])], mapped.normal[jnp.stack([start, end])]
+        ends = mapped.p_map[start], mapped.p_map[end]
+        normals = mapped.normal[start], mapped.normal[end]
         move = plan_move(ends, normals, surface, seen, settings.move)
         return eqx.tree_at(lambda move: (move.rises, move.lowers), move, (rises, lowers))
 

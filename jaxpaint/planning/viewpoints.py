@@ -6,12 +6,18 @@ import math
 import numpy as np
 from jaxtyping import Float
 
+from jaxpaint.planning.profile import Profile
+
+
+# More room than this share of the distance at which the robot paints is no advantage.
+_ROOM = 0.9
+
 
 @dataclasses.dataclass(frozen=True)
 class ViewpointSettings:
-    """distance: of the camera from the canvas [m]. aside: how far left of the base's middle line the camera is
-    held, since an arm cannot look straight ahead from above its own shoulder [m]. margin: covered around the
-    canvas, for normals at its rim and for drift [m]. overlap: of neighbouring pictures [m]."""
+    """distance: of the camera from the wall [m]. aside: how far beside the base's middle line the camera is held,
+    since an arm cannot look straight ahead from above its own shoulder [m]. margin: covered around the canvas, for
+    normals at its rim and for drift [m]. overlap: of neighbouring pictures [m]."""
 
     distance: float = 0.70
     aside: float = 0.25
@@ -21,34 +27,81 @@ class ViewpointSettings:
 
 @dataclasses.dataclass(frozen=True)
 class Viewpoints:
-    """view: camera positions on the canvas (u, v) [m], `distance` before it and facing it. stop: (u) of the base
-    at each view [m]; the base stands before the canvas and faces it. In the order of visiting."""
+    """camera: positions in the map frame [m], heading: of the upright cameras about z [rad], base: poses (x, y, yaw)
+    from which they are reached. In the order of visiting; views from one base pose follow each other."""
 
-    view: Float[np.ndarray, "views 2"]
-    stop: Float[np.ndarray, " views"]
+    camera: Float[np.ndarray, "views 3"]
+    heading: Float[np.ndarray, " views"]
+    base: Float[np.ndarray, "views 3"]
 
 
 def plan_viewpoints(
-    size: tuple[float, float], field_of_view: tuple[float, float], settings: ViewpointSettings | None = None
+    profile: Profile,
+    heights: tuple[float, float],
+    field_of_view: tuple[float, float],
+    home: tuple[float, float],
+    settings: ViewpointSettings | None = None,
 ) -> Viewpoints:
-    """A grid of views that covers a canvas of `size` [m].
+    """A grid of views along the wall's outline that covers a canvas.
 
-    field_of_view: width and height of the picture at distance 1 [m]. The base stops once for each column; columns
-    are visited from right to left, so that the robot ends where a drawing begins, and each column up and down.
+    heights: of the canvas' lower and upper rim [m]. field_of_view: width and height of the picture at distance 1
+    [m]. home: brush in the base frame at the arm's best posture (x, y) [m]: the base stands so that this lies on the
+    wall. Columns are visited from right to left, so that the robot ends where a drawing begins, each column in turn
+    up and down.
     """
     s = settings or ViewpointSettings()
     wide, high = (s.distance * x for x in field_of_view)
-    width, height = (x + 2 * s.margin for x in size)
-    if width <= wide - 2 * s.aside:
-        views, stops = np.array([-s.aside]), np.array([0.0])
+    length, tall = profile.length + 2 * s.margin, heights[1] - heights[0] + 2 * s.margin
+    middle = profile.length / 2
+    if length <= wide - 2 * s.aside:
+        columns = [_column(profile, middle, -s.aside, wide, home, s)]
     else:
-        views = _spread(width, wide, s.overlap)[::-1]
-        stops = views + s.aside
-    rows = _spread(height, high, s.overlap)
-    order = [(i, j) for i in range(len(views)) for j in range(len(rows))[:: 1 if i % 2 == 0 else -1]]
+        places = _spread(length, wide, s.overlap)[::-1]
+        columns = [_towards_middle(profile, middle, place, wide, home, s) for place in places]
+    rows = sum(heights) / 2 + _spread(tall, high, s.overlap)
+    order = [(i, j) for i in range(len(columns)) for j in range(len(rows))[:: 1 if i % 2 == 0 else -1]]
     return Viewpoints(
-        np.array([(views[i], rows[j]) for i, j in order]), np.array([stops[i] for i, _ in order])
+        camera=np.array([[*columns[i][0], rows[j]] for i, j in order]),
+        heading=np.array([columns[i][1] for i, _ in order]),
+        base=np.array([columns[i][2] for i, _ in order]),
     )
+
+
+def _towards_middle(profile: Profile, middle: float, place: float, wide: float, home, s: ViewpointSettings):
+    """A view that faces the wall at `place` from the middle [m], with the base on its roomier side.
+
+    Where both sides have room, the base stands on the side of the middle: less to drive.
+    """
+    point, heading = profile.at(middle + place, wide / 2)
+    bases = [_base_at(point + side * _right(heading), heading, home) for side in (s.aside, -s.aside)]
+    center, _ = profile.at(middle, wide / 2)
+
+    def rank(base):
+        room = np.linalg.norm(profile.points - base[:2], axis=1).min()
+        return min(room, _ROOM * home[0]), -np.linalg.norm(base[:2] - center)
+
+    return point - s.distance * _ahead(heading), heading, max(bases, key=rank)
+
+
+def _column(profile: Profile, middle: float, place: float, wide: float, home, s: ViewpointSettings):
+    """A view beside the middle [m], with the base before the middle."""
+    point, heading = profile.at(middle, wide / 2)
+    camera = point + place * _right(heading) - s.distance * _ahead(heading)
+    return camera, heading, _base_at(point, heading, home)
+
+
+def _base_at(point: Float[np.ndarray, "2"], heading: float, home: tuple[float, float]) -> Float[np.ndarray, "3"]:
+    """The base pose that has its best brush place at a point of the wall."""
+    place = point - home[0] * _ahead(heading) + home[1] * _right(heading)
+    return np.array([*place, heading])
+
+
+def _ahead(heading: float) -> Float[np.ndarray, "2"]:
+    return np.array([math.cos(heading), math.sin(heading)])
+
+
+def _right(heading: float) -> Float[np.ndarray, "2"]:
+    return np.array([math.sin(heading), -math.cos(heading)])
 
 
 def _spread(length: float, window: float, overlap: float) -> Float[np.ndarray, " n"]:

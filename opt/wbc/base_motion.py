@@ -13,6 +13,8 @@ from opt.wbc.settings import ControllerSettings
 
 # A base nearer to its station than this has arrived [m].
 _ARRIVED = 0.01
+# A halted base does not start for less than this way [m]: every start costs time and scrub.
+_WORTH_A_START = 0.12
 # Approach speed per metre that is left [1/s], and the least speed, six times the dead band [m/s].
 _APPROACH, _LEAST = 1.5, 0.03
 
@@ -63,7 +65,9 @@ def demand_base(
     left = _length(offset)
     ruled = (thresholds.low_speed_scale > 0).astype(left.dtype)
     arrived = (left < _ARRIVED).astype(left.dtype) * ruled
-    halt = update_halt(state, s.travelled, stretch(s.base, s.brush, s.heading, s.home, lever), arrived, thresholds, dt)
+    worthwhile = jnp.maximum((left >= _WORTH_A_START).astype(left.dtype), 1 - ruled)
+    far = stretch(s.base, s.brush, s.heading, s.home, lever)
+    halt = update_halt(state, s.travelled, far, arrived, worthwhile, thresholds, dt)
     free = 1 - halt.halted
     pace = jnp.clip(_APPROACH * left, _LEAST, jnp.maximum(thresholds.low_speed_scale * s.speed, _LEAST)) * ruled
     velocity = pace * offset / jnp.maximum(left, 1e-6) / jnp.stack([jnp.ones_like(lever), jnp.ones_like(lever), lever])

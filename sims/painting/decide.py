@@ -21,8 +21,8 @@ Chooser = Literal["acp", "whole-body", "trajectory"]
 
 def waypoint_mode(job: Job) -> Float[Array, ""]:
     """1 if the viewpoints look like a path, 0 if they are independent waypoints; the same in all worlds."""
-    views: Pose = jax.vmap(lambda uv: view_pose(job, uv))(job.views)
-    return decide(views.p, views.R, jnp.ones(job.views.shape[0], bool), job.thresholds).whole_body
+    views: Pose = jax.vmap(view_pose)(job.camera_place, job.camera_heading)
+    return decide(views.p, views.R, jnp.ones(job.camera_heading.shape, bool), job.thresholds).whole_body
 
 
 def path_mode(job: Job, path: BrushPath) -> Float[Array, ""]:

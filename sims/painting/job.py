@@ -2,7 +2,6 @@
 
 import equinox as eqx
 import jax
-import jax.numpy as jnp
 from jaxtyping import Array, Float, Int, PRNGKeyArray, UInt32
 
 from jaxpaint.decisions.thresholds import Thresholds
@@ -22,9 +21,10 @@ CONTROL_PERIOD = 0.02
 class Job(eqx.Module):
     """What all worlds share; every leaf is traced.
 
-    picture: canvas points of the strokes in order [m], stroke: which stroke each belongs to. views: camera
-    positions on the canvas (u, v) [m], view_distance before it; stops: u of the base at each view [m]. seed: key
-    data of the job's random numbers. speed: of the brush [m/s].
+    picture: canvas points of the strokes in order [m], stroke: which stroke each belongs to. camera_place,
+    camera_heading, camera_base: the viewpoints, see `jaxpaint.planning.Viewpoints`. echoes: what the lidar saw of
+    the wall before the scan (x, y) [m], NaN for nothing. seed: key data of the job's random numbers. speed: of the
+    brush [m/s].
     """
 
     robot: Robot
@@ -39,9 +39,10 @@ class Job(eqx.Module):
     mapping: MappingSettings
     picture: Float[Array, "points 2"]
     stroke: Int[Array, " points"]
-    views: Float[Array, "views 2"]
-    stops: Float[Array, " views"]
-    view_distance: Float[Array, ""]
+    camera_place: Float[Array, "views 3"]
+    camera_heading: Float[Array, " views"]
+    camera_base: Float[Array, "views 3"]
+    echoes: Float[Array, "beams 2"]
     speed: Float[Array, ""]
     dt: Float[Array, ""]
     seed: UInt32[Array, "2"]
@@ -53,12 +54,5 @@ class Job(eqx.Module):
 
 
 # Purposes of random numbers.
-START, SLIP, DEPTH, SCAN, APPROACH, PAINT = range(6)
+START, SLIP, DEPTH, SCAN, APPROACH, PAINT, SURVEY = range(7)
 
-
-def base_before(canvas: Canvas, u: Float[Array, ""], home: Float[Array, "2"]) -> Float[Array, "3"]:
-    """Base pose (x, y, yaw) that faces the canvas at `u` [m] with its best brush place on it."""
-    spot = canvas.center + u * canvas.u_axis
-    c, s = jnp.cos(canvas.yaw), jnp.sin(canvas.yaw)
-    x, y = spot[0] - c * home[0] + s * home[1], spot[1] - s * home[0] - c * home[1]
-    return jnp.stack([x, y, canvas.yaw])

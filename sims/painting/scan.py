@@ -14,7 +14,7 @@ from jaxpaint.kinematics.pose import Pose
 from jaxpaint.trajectories import clearance
 from sims.odometry import draw_slip
 from sims.painting.drive import Driven, JointPlan
-from sims.painting.job import DEPTH, SLIP, START, Job, base_before
+from sims.painting.job import DEPTH, SLIP, START, Job
 from sims.painting.motion import SETTLE, motion_duration, motion_rows, plan_motion, rest_times
 from sims.sensors import crop_to_canvas, merge_views, observe, render, thin
 from sims.worlds import World, standing
@@ -23,13 +23,11 @@ from sims.worlds import World, standing
 MAX_POINTS = 40_000
 # Starts of the inverse kinematics.
 _STARTS = 6
-# The body keeps this far from the canvas' plane while it scans: nothing more is known of the wall yet [m].
-_GUARD = 0.0
 
 
 class ScanPlan(NamedTuple):
     """The motion through all viewpoints: its plan, when the camera looks [s], whether every view can be reached,
-    and the least gap between the body and the canvas' plane on the way [m]."""
+    and the least gap between the body and the lidar's echoes on the way [m]."""
 
     plan: JointPlan
     look: Float[Array, " views"]
@@ -46,17 +44,17 @@ class View(NamedTuple):
 
 def starting_world(job: Job, index: Int[Array, ""]) -> World:
     """A robot near the first stop, at home, with this world's slip; odometry starts where it stands."""
-    nominal = base_before(job.canvas, job.stops[0], job.limits.home)
+    nominal = job.camera_base[0]
     offset = job.noise.start * jax.random.normal(job.key(index, START), (3,), nominal.dtype)
     slip = draw_slip(job.noise.odometry, key=job.key(index, SLIP))
     return standing(nominal + offset, job.robot.home, slip, job.limits.steering.position.shape[0])
 
 
-def view_pose(job: Job, uv: Float[Array, "2"]) -> Pose:
-    """T_map_camera of a view: before the canvas, along its rays, upright."""
-    canvas = job.canvas
-    R = jnp.stack([canvas.u_axis, -canvas.v_axis, canvas.ray], axis=1)
-    return Pose(canvas.to_map(uv) - job.view_distance * canvas.ray, R)
+def view_pose(place: Float[Array, "3"], heading: Float[Array, ""]) -> Pose:
+    """T_map_camera of an upright camera that looks along a heading."""
+    c, s, zero = jnp.cos(heading), jnp.sin(heading), jnp.zeros_like(heading)
+    right, down, ahead = jnp.stack([s, -c, zero]), jnp.stack([zero, zero, zero - 1]), jnp.stack([c, s, zero])
+    return Pose(place, jnp.stack([right, down, ahead], axis=1))
 
 
 def plan_scan(job: Job, world: World) -> tuple[Float[Array, "w 9"], Bool[Array, ""]]:
@@ -67,35 +65,37 @@ def plan_scan(job: Job, world: World) -> tuple[Float[Array, "w 9"], Bool[Array, 
     spread = spread_starts(job.robot.home, job.robot.lower, job.robot.upper, count=_STARTS)
 
     def visit(q_before, view):
-        uv, stop = view
-        nominal = base_before(job.canvas, stop, job.limits.home)
-        base = jnp.where(stop == job.stops[0], world.odometry, nominal)
+        place, heading, stop = view
+        base = jnp.where((stop == job.camera_base[0]).all(), world.odometry, stop)
         chain = arm_chain(job.robot.camera_chain, base)
         starts = jnp.concatenate([q_before[None], spread])
-        found = solve(chain, starts, view_pose(job, uv), job.robot.lower, job.robot.upper)
+        found = solve(chain, starts, view_pose(place, heading), job.robot.lower, job.robot.upper)
         return found.q, (jnp.concatenate([base, found.q]), found.converged)
 
-    _, (stops, converged) = jax.lax.scan(visit, world.arm, (job.views, job.stops))
+    views = job.camera_place, job.camera_heading, job.camera_base
+    _, (stops, converged) = jax.lax.scan(visit, world.arm, views)
     here = jnp.concatenate([world.odometry, world.arm])
     return jnp.concatenate([here[None], stops]), converged.all()
 
 
 def time_scan(job: Job, waypoints: Float[Array, "w 9"]):
-    """The motion through the waypoints, when the robot looks, how long it takes, and its gap to the canvas."""
+    """The motion through the waypoints, when the robot looks, how long it takes, and its gap to the wall."""
     trajectory = plan_motion(job, waypoints, jnp.ones(waypoints.shape[0], bool))
     looks = rest_times(trajectory)[1:] + SETTLE / 2
     coarse = motion_rows(trajectory, motion_duration(trajectory) / 24, 25)[:, :9]
 
-    def before_canvas(p):
-        return -job.canvas.to_canvas(p)[1]
+    echoes = jnp.where(jnp.isfinite(job.echoes).all(-1)[:, None], job.echoes, 1e3)
 
-    gap = clearance(job.robot.chain, job.robot.spheres, coarse, before_canvas).min() - _GUARD
+    def from_echoes(p):  # walls are upright: an echo stands for all heights
+        return jnp.sqrt(((echoes - p[:2]) ** 2).sum(-1).min())
+
+    gap = clearance(job.robot.chain, job.robot.spheres, coarse, from_echoes).min()
     return trajectory, looks, motion_duration(trajectory), gap
 
 
 _WORLDS = batched(starting_world, in_axes=(None, 0))
 _PLAN = batched(plan_scan, in_axes=(None, 0))
-_TIME = batched(time_scan, in_axes=(None, 0))
+_TIME = one_by_one(time_scan, in_axes=(None, 0))
 
 
 def _rows(job: Job, trajectory, count: Int[Array, " t"]) -> Float[Array, "t 18"]:
@@ -153,7 +153,7 @@ def _see(job: Job, view: View, index: Int[Array, ""]):
         key = jax.random.fold_in(job.key(index, DEPTH), number)
         return observe(picture, job.camera, job.noise.depth, key=key)
 
-    pictures = jax.lax.map(lambda x: look(*x), (view.true, jnp.arange(job.views.shape[0])))
+    pictures = jax.lax.map(lambda x: look(*x), (view.true, jnp.arange(job.camera_heading.shape[0])))
     cloud, valid = merge_views(job.camera, pictures.depth, pictures.valid, view.believed.p, view.believed.R)
     valid = crop_to_canvas(cloud, valid, job.canvas)
     return thin(cloud, valid, MAX_POINTS)

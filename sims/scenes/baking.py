@@ -114,8 +114,11 @@ def _wall_label(front: FrontSurface, name: str) -> int:
 
 @dataclass(frozen=True)
 class _Window:
-    """Standard deviation of the smoothing window [m], how far its normals are from those of the next wider one
-    [rad], and the rms of the wall's points about quadratics (spread) and about planes (noise) in it [m]."""
+    """A smoothing window that was tried on the wall.
+
+    width: standard deviation [m]. jitter: rms angle of its normals from those of the next wider one [rad].
+    spread, noise: rms of the wall's points about quadratics and about planes in it [m].
+    """
 
     width: float
     jitter: float
@@ -131,7 +134,7 @@ def _choose_window(
     depth, weight = np.nan_to_num(front.depth), np.where(wall, front.count, 0.0)
     steps = int(np.ceil(2 * np.log2(max(_MAX_WIDTH, 4 * cell) / (1.5 * cell)))) + 1
     inner = ndimage.binary_erosion(wall, np.ones((3, 3)))
-    jitter, width, spread = np.inf, 1.5 * cell, 0.0
+    jitter, width = np.inf, 1.5 * cell
     sheet = fit_sheet(depth, weight, wall, cell, width, noise)
     narrow = spread = _spread(_residuals(points, lattice, sheet.depth))
     for wider in 1.5 * cell * 2 ** (0.5 * np.arange(1, steps)):

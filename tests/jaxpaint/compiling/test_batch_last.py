@@ -82,7 +82,9 @@ def test_a_world_does_not_depend_on_its_neighbours():
     broken[2] = np.nan
     beside = run(broken, y, scale)
     kept = [0, 1, 3, 4, 5]
-    jax.tree.map(lambda a, b: np.testing.assert_array_equal(np.asarray(a)[kept], np.asarray(b)[kept]), alone, beside)
+    jax.tree.map(
+        lambda a, b: np.testing.assert_array_equal(np.asarray(a)[kept], np.asarray(b)[kept]), alone, beside
+    )
 
 
 def test_sizes_that_do_not_match_are_refused():

@@ -14,7 +14,9 @@ def run(thresholds, distances, travelled, arrived=0.0):
     state, seen = initial_halt(jnp.float32), []
     for distance in distances:
         moving = travelled * (1 - float(state.halted) if seen else 1)
-        state = update_halt(state, jnp.float32(moving), jnp.float32(distance), jnp.float32(arrived), thresholds, DT)
+        state = update_halt(
+            state, jnp.float32(moving), jnp.float32(distance), jnp.float32(arrived), thresholds, DT
+        )
         seen.append(float(state.halted))
     return state, np.array(seen)
 

@@ -47,7 +47,11 @@ def test_at_rest_wheels_stay():
 
 
 def test_wrap():
-    np.testing.assert_allclose(wrap(jnp.asarray([np.pi + 0.1, -np.pi - 0.1, 7.0])), [-np.pi + 0.1, np.pi - 0.1, 7.0 - 2 * np.pi], atol=1e-5)
+    np.testing.assert_allclose(
+        wrap(jnp.asarray([np.pi + 0.1, -np.pi - 0.1, 7.0])),
+        [-np.pi + 0.1, np.pi - 0.1, 7.0 - 2 * np.pi],
+        atol=1e-5,
+    )
 
 
 def test_printed_matrix_fits_no_signs():
@@ -63,7 +67,15 @@ def test_printed_matrix_fits_no_signs():
     c, s = np.cos(phi), np.sin(phi)
     fits = 0
     for signs in itertools.product([1, -1], repeat=4):
-        rolling = (signs[0] * l * c * twist[0] + signs[1] * l * s * twist[1] + (signs[2] * a * l * s + signs[3] * b * l * c) * twist[2]) / (r * l)
-        turning = (signs[0] * r * s * twist[0] + signs[1] * r * c * twist[1] + (l * r + signs[2] * b * r * s + signs[3] * a * r * c) * twist[2]) / (r * l)
+        rolling = (
+            signs[0] * l * c * twist[0]
+            + signs[1] * l * s * twist[1]
+            + (signs[2] * a * l * s + signs[3] * b * l * c) * twist[2]
+        ) / (r * l)
+        turning = (
+            signs[0] * r * s * twist[0]
+            + signs[1] * r * c * twist[1]
+            + (l * r + signs[2] * b * r * s + signs[3] * a * r * c) * twist[2]
+        ) / (r * l)
         fits += abs(rolling - np.hypot(*v) / r) < 1e-6 and abs(turning) < 1e-6
     assert fits == 0

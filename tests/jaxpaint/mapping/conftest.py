@@ -35,7 +35,7 @@ def flat(spacing: float = SPACING, turn: float = 0.0) -> Wall:
 
 
 def corner(spacing: float = SPACING, sign: float = 1.0) -> Wall:
-    """Two faces at right angles that meet at y = 0, x = 0.3: an inside corner, or with sign -1 a box's edge."""
+    """Two faces at right angles that meet at y = 0: an inside corner, or with sign -1 a box's edge."""
     u, v = grid(1.2, 0.6, spacing)
     u = u + spacing / 2
     edge = 0.5 + 0.2 * (-sign)

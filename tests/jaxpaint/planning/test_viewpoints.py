@@ -52,6 +52,8 @@ def test_stations_keep_clear():
     position = jnp.tile(jnp.asarray([0.0, 0.0, 1.0]), (10, 1))
     axis = jnp.tile(jnp.asarray([1.0, 0.0, 0.0]), (10, 1))
     settings = StationSettings(jnp.asarray(4.0), jnp.asarray(0.5))
-    places = plan_stations(time, position, axis, jnp.ones(10), close, jnp.ones(1), jnp.asarray([0.85, 0.0]), settings)
+    places = plan_stations(
+        time, position, axis, jnp.ones(10), close, jnp.ones(1), jnp.asarray([0.85, 0.0]), settings
+    )
     away = np.linalg.norm(np.asarray(places[:, :2]) - np.asarray(close[0, :2]), axis=1)
     assert away == pytest.approx(np.full(10, 0.5), abs=1e-4)
