@@ -63,7 +63,8 @@ def paint_task(options: PaintOptions) -> PaintTask:
     home = (float(limits.home[0]), float(limits.home[1]))
     profile, echoes = survey(scene, canvas, robot, home, key=jax.random.fold_in(seed, SURVEY))
     middle, field = float(canvas.center[2]), (camera.width / float(camera.fx), camera.height / float(camera.fy))
-    views = plan_viewpoints(profile, (middle - size[1] / 2, middle + size[1] / 2), field, home)
+    rims = (middle - size[1] / 2, middle + size[1] / 2)
+    views = plan_viewpoints(profile, rims, field, home, np.asarray(robot.footprint, float), echoes)
     job = Job(
         robot=robot,
         limits=limits,

@@ -29,7 +29,8 @@ class MappingSettings(eqx.Module):
 
     search: S1-(4) looks at points within this many local spacings of the ray [-].
     cosine_tolerance: S1's cosine metric looks within this angle of the ray, from its origin [rad].
-    nearest: depth from the canvas at which a ray starts to see [m].
+    nearest: depth from the canvas at which a ray starts to see [m]; below 0, so that a canvas may lie on the
+        surface itself.
     normal_radius: of the patch that gives the normal [m]. position_radius: of that for the position [m], at
         least half of the other. Both grow where the cloud is too sparse for them.
     residual: distance from the plane at which a point counts no more [m]; less where the points lie flat,
@@ -45,7 +46,7 @@ class MappingSettings(eqx.Module):
 
     search: Float[Array, ""] = eqx.field(default=1.5, converter=jnp.asarray)
     cosine_tolerance: Float[Array, ""] = eqx.field(default=0.02, converter=jnp.asarray)
-    nearest: Float[Array, ""] = eqx.field(default=0.0, converter=jnp.asarray)
+    nearest: Float[Array, ""] = eqx.field(default=-0.1, converter=jnp.asarray)
     normal_radius: Float[Array, ""] = eqx.field(default=0.060, converter=jnp.asarray)
     position_radius: Float[Array, ""] = eqx.field(default=0.030, converter=jnp.asarray)
     residual: Float[Array, ""] = eqx.field(default=0.008, converter=jnp.asarray)

@@ -82,10 +82,10 @@ def plan_path(
     """Put the mapped points of all strokes, in painting order, on one clock.
 
     Pen down on runs of neighbouring hits of one stroke; between them the pen lifts, travels clear of every
-    mapped point and of the `obstacles` (further points of the surface in the map frame [m]; NaN is no point)
-    and comes down again. The path starts over its first point and ends over its last. Runs beyond `max_runs`
-    are left out and their points marked OVERFLOW. A path without runs lasts 0 s and stays over the first
-    point.
+    mapped point and of the `obstacles` (further points of the surface in the map frame [m]; NaN is no point,
+    and a single one lifts a move) and comes down again. The path starts over its first point and ends over
+    its last. Runs beyond `max_runs` are left out and their points marked OVERFLOW. A path without runs lasts
+    0 s and stays over the first point.
     """
     settings = settings or PathSettings()
     link = linked(mapped, stroke, settings.jump, settings.turn)

@@ -17,12 +17,14 @@ _ROOM = 0.9
 class ViewpointSettings:
     """distance: of the camera from the wall [m]. aside: how far beside the base's middle line the camera is held,
     since an arm cannot look straight ahead from above its own shoulder [m]. margin: covered around the canvas, for
-    normals at its rim and for drift [m]. overlap: of neighbouring pictures [m]."""
+    normals at its rim and for drift [m]. overlap: of neighbouring pictures [m]. clearance: of the base from anything
+    on the floor [m]."""
 
     distance: float = 0.70
     aside: float = 0.25
     margin: float = 0.06
     overlap: float = 0.12
+    clearance: float = 0.08
 
 
 @dataclasses.dataclass(frozen=True)
@@ -40,13 +42,16 @@ def plan_viewpoints(
     heights: tuple[float, float],
     field_of_view: tuple[float, float],
     home: tuple[float, float],
+    footprint: Float[np.ndarray, "corners 2"],
+    echoes: Float[np.ndarray, "beams 2"],
     settings: ViewpointSettings | None = None,
 ) -> Viewpoints:
     """A grid of views along the wall's outline that covers a canvas.
 
     heights: of the canvas' lower and upper rim [m]. field_of_view: width and height of the picture at distance 1
     [m]. home: brush in the base frame at the arm's best posture (x, y) [m]: the base stands so that this lies on the
-    wall. Columns are visited from right to left, so that the robot ends where a drawing begins, each column in turn
+    wall, or further back where its footprint (corners in its own frame [m]) would touch an echo of the lidar (x, y)
+    [m]. Columns are visited from right to left, so that the robot ends where a drawing begins, each column in turn
     up and down.
     """
     s = settings or ViewpointSettings()
@@ -58,6 +63,7 @@ def plan_viewpoints(
     else:
         places = _spread(length, wide, s.overlap)[::-1]
         columns = [_towards_middle(profile, middle, place, wide, home, s) for place in places]
+    columns = [(camera, heading, _backed(base, footprint, echoes, s)) for camera, heading, base in columns]
     rows = sum(heights) / 2 + _spread(tall, high, s.overlap)
     order = [(i, j) for i in range(len(columns)) for j in range(len(rows))[:: 1 if i % 2 == 0 else -1]]
     return Viewpoints(
@@ -94,6 +100,16 @@ def _base_at(point: Float[np.ndarray, "2"], heading: float, home: tuple[float, f
     """The base pose that has its best brush place at a point of the wall."""
     place = point - home[0] * _ahead(heading) + home[1] * _right(heading)
     return np.array([*place, heading])
+
+
+def _backed(base, footprint, echoes, s: ViewpointSettings) -> Float[np.ndarray, "3"]:
+    """The base pose, moved straight back until nothing that the lidar saw is within its footprint's way."""
+    offset = echoes[np.isfinite(echoes).all(-1)] - base[:2]
+    across, ahead = offset @ _right(base[2]), offset @ _ahead(base[2])
+    front, side = footprint[:, 0].max(), np.abs(footprint[:, 1]).max()
+    beside = (np.abs(across) < side + s.clearance) & (ahead > 0)
+    back = max(0.0, front + s.clearance - ahead[beside].min()) if beside.any() else 0.0
+    return base - back * np.array([*_ahead(base[2]), 0.0])
 
 
 def _ahead(heading: float) -> Float[np.ndarray, "2"]:

@@ -54,8 +54,10 @@ def brush_rows(job: Job, path: BrushPath, count: Int[Array, " t"]) -> Float[Arra
 
 
 def stations(job: Job, rows: Float[Array, "t 19"], obstacles: Float[Array, "m 3"]) -> Float[Array, "s 3"]:
-    """Base poses along the path."""
+    """Base poses along the path, away from what camera and lidar saw."""
     coarse = rows[::_STATION_EVERY]
+    echoes = jnp.concatenate([job.echoes, jnp.zeros_like(job.echoes[:, :1])], axis=1)
+    obstacles = jnp.concatenate([obstacles, echoes])
     real = jnp.isfinite(obstacles).all(-1)
     time = jnp.arange(coarse.shape[0]) * job.dt * _STATION_EVERY
     settings = StationSettings(jnp.asarray(_HORIZON), jnp.asarray(_CLEARANCE))

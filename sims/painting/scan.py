@@ -21,6 +21,8 @@ from sims.worlds import World, standing
 
 # Points of a world's merged cloud: a static budget.
 MAX_POINTS = 40_000
+# What the lidar sees before the wall may be this much higher than its beams [m].
+_CLUTTER = 0.25
 # Starts of the inverse kinematics.
 _STARTS = 6
 
@@ -84,10 +86,14 @@ def time_scan(job: Job, waypoints: Float[Array, "w 9"]):
     looks = rest_times(trajectory)[1:] + SETTLE / 2
     coarse = motion_rows(trajectory, motion_duration(trajectory) / 24, 25)[:, :9]
 
-    echoes = jnp.where(jnp.isfinite(job.echoes).all(-1)[:, None], job.echoes, 1e3)
+    known = jnp.isfinite(job.echoes).all(-1)
+    lidar = job.robot.T_base_lidar.p[2]
+    wall = job.canvas.to_canvas(jnp.concatenate([job.echoes, jnp.zeros_like(job.echoes[:, :1])], axis=1))[1] > 0
 
-    def from_echoes(p):  # walls are upright: an echo stands for all heights
-        return jnp.sqrt(((echoes - p[:2]) ** 2).sum(-1).min())
+    def from_echoes(p):
+        """Walls are upright, so an echo behind the canvas stands for all heights; clutter for its own and below."""
+        there = known & (wall | (p[2] < lidar + _CLUTTER))
+        return jnp.sqrt(jnp.where(there, ((job.echoes - p[:2]) ** 2).sum(-1), 1e6).min())
 
     gap = clearance(job.robot.chain, job.robot.spheres, coarse, from_echoes).min()
     return trajectory, looks, motion_duration(trajectory), gap

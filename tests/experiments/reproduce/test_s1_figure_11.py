@@ -7,7 +7,7 @@ from experiments.reproduce.s1_figure_11 import run
 
 
 def test_hits_are_within_a_millimetre_and_a_degree():
-    result = run()
+    result = run(variants=("ours",))
     table = {row["name"]: row["ours"] for row in result.table if row["variant"] == "ours"}
     for wall in ("flat", "corner", "cylinder"):
         assert table[f"largest distance of a hit from the surface [m], {wall}"] <= 1e-3

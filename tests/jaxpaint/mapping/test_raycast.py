@@ -65,6 +65,15 @@ def test_noise_is_averaged(mapping, walls):
     assert lean(mapped, wall.normal(mapped.p_map)).mean() < 2.0
 
 
+def test_a_canvas_may_lie_on_the_surface(mapping, walls, at):
+    cloud = correlated_noise(walls.flat().cloud, 0.0015, seed=3)
+    before, on = mapping(cloud), mapping(cloud, at(0.0))
+    assert hits(on).all()
+    np.testing.assert_allclose(on.p_map, before.p_map, atol=1e-5)
+    beyond = mapping(cloud, at(0.2))
+    assert np.all(beyond.status == Cause.MISS)
+
+
 def test_a_hole_is_not_bridged(mapping, walls):
     cloud = walls.flat().cloud
     cloud = cloud[np.hypot(cloud[:, 1], cloud[:, 2]) > 0.05]
