@@ -8,6 +8,20 @@ from collections.abc import Callable
 
 from experiments.benchmarks.rows import BenchRow
 
-BENCHMARKS: dict[str, Callable[[], list[BenchRow]]] = {}
+
+
+def _control() -> list[BenchRow]:
+    from experiments.benchmarks import control
+
+    return control.rows()
+
+
+def _painting() -> list[BenchRow]:
+    from experiments.benchmarks import painting
+
+    return painting.rows()
+
+
+BENCHMARKS: dict[str, Callable[[], list[BenchRow]]] = {"control": _control, "painting": _painting}
 
 __all__ = ["BENCHMARKS", "BenchRow"]

@@ -43,7 +43,8 @@ class Batched:
             raise ValueError(f"in_axes: the batched arguments must share one leading size, found {sorted(counts)}")
         worlds = counts.pop()
         mesh = Mesh(np.array(jax.local_devices()), ("worlds",))
-        per_device = _round_up(-(-worlds // mesh.size), self._chunk)
+        # A loop of one round is compiled to other code, whose last bits differ: never fewer than two.
+        per_device = max(_round_up(-(-worlds // mesh.size), self._chunk), 2)
         padded = per_device * mesh.size
         placed = [_place(x, padded if split else None, mesh) for x, split in zip(flat, axes, strict=True)]
         out = self._program(placed, tree, axes, per_device, mesh)(*placed)
@@ -76,15 +77,19 @@ class Batched:
     def _on_one_device(self, leaves, tree, axes, per_device):
         """Maps one chunk after another, so that a chunk's working set stays in the cache."""
         chunk = min(self._chunk, per_device)
-        plain = self._dense or jax.default_backend() != "cpu"
-        one_chunk = _vectorised if plain else _batch_last_chunk
         shared = [x for x, batched in zip(leaves, axes, strict=True) if not batched]
         moving = [x for x, batched in zip(leaves, axes, strict=True) if batched]
 
         def run(part):
             own, common = iter(part), iter(shared)
-            return one_chunk(self._traced, [next(own) if b else next(common) for b in axes], tree, axes, chunk)
+            mixed = [next(own) if b else next(common) for b in axes]
+            if self._dense:
+                return self._traced(*jax.tree.unflatten(tree, mixed))
+            one_chunk = _batch_last_chunk if jax.default_backend() == "cpu" else _vectorised
+            return one_chunk(self._traced, mixed, tree, axes, chunk)
 
+        if self._dense:
+            return jax.lax.map(run, moving)
         if chunk == per_device:
             return run(moving)
         split = [x.reshape(-1, chunk, *x.shape[1:]) for x in moving]

@@ -49,11 +49,15 @@ class BrushPlan(NamedTuple):
 
 
 class Driven(NamedTuple):
-    """States at the end and records of all worlds; records have axes [worlds, time]."""
+    """States at the end and records of all worlds; records have axes [worlds, time].
+
+    completed: the plan was followed to its end. diverged: a number was not finite, be it the plan's.
+    """
 
     state: RolloutState
     record: Record
     completed: np.ndarray
+    diverged: np.ndarray
 
 
 def _trajectory(job: Job, plan: JointPlan) -> TrajectoryController:
@@ -128,8 +132,8 @@ def drive(
             break
     advance(1 - done)
     record = jax.tree.map(lambda *parts: np.concatenate(parts, axis=1), *records)
-    completed = (np.asarray(state.clock) >= duration) & (np.asarray(state.diverged_at) < 0)
-    return Driven(state, record, completed)
+    diverged = (np.asarray(state.diverged_at) >= 0) | ~np.isfinite(duration)
+    return Driven(state, record, (np.asarray(state.clock) >= duration) & ~diverged, diverged)
 
 
 def _window(plan: JointPlan | BrushPlan, rows: np.ndarray, clock: np.ndarray) -> JointPlan | BrushPlan:

@@ -11,7 +11,7 @@ from jaxtyping import Array, Float, Int
 
 from jaxpaint.compiling import batched, one_by_one
 from sims.paint import PaintGrid
-from sims.painting.approach import approach, body_is_clear
+from sims.painting.approach import Approach, approach, body_is_clear
 from sims.painting.convert import brush_for_joints, joints_for_brush
 from sims.painting.decide import Chooser, choose_for_scan, choose_for_strokes
 from sims.painting.drive import BrushPlan, Driven, JointPlan, drive
@@ -70,16 +70,17 @@ def run_mission(
     painting = plan_painting(job, *clouds)
     paint_mode = choose_for_strokes(controller, job, painting.path)
     advance(STAGES["map"])
-    path_there, worlds = _approach(job, driven.state.world, painting, index)
+    path_there, arrived = _approach(job, driven.state.world, painting, index)
+    diverged = driven.diverged | arrived.diverged
     advance(STAGES["approach"])
     jax.block_until_ready(painting)
     begin = time.perf_counter()
-    driven = _paint(job, painting, worlds, index, paint_mode, advance)
+    driven = _paint(job, painting, arrived.state.world, index, paint_mode, advance)
     truth = true_brush(job, driven)
     laid = jax.block_until_ready(lay(job, grid, driven, truth))
     executed = time.perf_counter() - begin
     reachable = np.asarray(scan.reachable & path_there.reachable) & body_is_clear(scan.gap) & body_is_clear(path_there.gap)
-    status = _judge(driven, laid, reachable)
+    status = _judge(driven, laid, reachable, diverged | driven.diverged)
     surface = _CHAMFER(job.scene.chart, *clouds, *_extent(grid))
     advance(STAGES["lay"])
     return Mission(status, Modes(scan_mode, paint_mode), clouds, painting, driven, truth, laid, surface, executed)
@@ -93,11 +94,10 @@ def _scan(job: Job, worlds: World, index, controller: Chooser, advance) -> tuple
     return scan, driven, mode
 
 
-def _approach(job: Job, worlds: World, painting: Painting, index):
+def _approach(job: Job, worlds: World, painting: Painting, index) -> tuple[Approach, Driven]:
     """The single pose of the first stroke is an independent waypoint: the trajectory controller goes there."""
     plan = approach(job, worlds, painting)
-    driven = drive(job, plan.plan, worlds, jnp.asarray(index, jnp.int32), APPROACH)
-    return plan, driven.state.world
+    return plan, drive(job, plan.plan, worlds, jnp.asarray(index, jnp.int32), APPROACH)
 
 
 def _paint(job: Job, painting: Painting, worlds: World, index, mode: np.ndarray, advance) -> Driven:
@@ -141,7 +141,8 @@ def _merged(second: np.ndarray, a: Driven, b: Driven) -> Driven:
     state_a, state_b = (d.state.__class__(**{**vars(d.state), "memory": ()}) for d in (a, b))
     state = jax.tree.map(pick, state_a, state_b)
     record = jax.tree.map(pick, longer(a.record), longer(b.record))
-    return Driven(state, record, np.where(second, b.completed, a.completed))
+    ends = (np.where(second, y, x) for x, y in ((a.completed, b.completed), (a.diverged, b.diverged)))
+    return Driven(state, record, *ends)
 
 
 def _with_tail(rows: np.ndarray, length: int) -> np.ndarray:
@@ -149,9 +150,8 @@ def _with_tail(rows: np.ndarray, length: int) -> np.ndarray:
     return np.concatenate([rows, np.zeros_like(tail) if rows.dtype == bool else tail], axis=1)
 
 
-def _judge(driven: Driven, laid: Laid, reachable: np.ndarray) -> np.ndarray:
+def _judge(driven: Driven, laid: Laid, reachable: np.ndarray, diverged: np.ndarray) -> np.ndarray:
     completed, fault = completed_and_fault(driven)
-    diverged = np.asarray(driven.state.diverged_at) >= 0
     score = laid.tracking
     score = score.__class__(**{**vars(score), "finite": np.asarray(score.finite) & ~diverged})
     return np.asarray(_JUDGE(score, jnp.asarray(completed), jnp.asarray(~reachable), jnp.asarray(fault)))
