@@ -25,7 +25,9 @@ def run(options: PaintOptions, progress: Callable[..., AbstractContextManager[An
     missions, rows = [], []
     with progress("paint", float(len(groups))) as bar:
         for index in groups:
-            mission = run_mission(task.job, task.grid, index, controller=options.controller, advance=bar.advance)
+            mission = run_mission(
+                task.job, task.grid, index, controller=options.controller, advance=bar.advance
+            )
             rows += score(task, mission)
             missions.append(mission if not missions else _light(mission))
     summary = summarise(rows) | {

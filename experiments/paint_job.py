@@ -62,7 +62,10 @@ def paint_task(options: PaintOptions) -> PaintTask:
     seed = jax.random.key(options.seed)
     home = (float(limits.home[0]), float(limits.home[1]))
     profile, echoes = survey(scene, canvas, robot, home, key=jax.random.fold_in(seed, SURVEY))
-    middle, field = float(canvas.center[2]), (camera.width / float(camera.fx), camera.height / float(camera.fy))
+    middle, field = (
+        float(canvas.center[2]),
+        (camera.width / float(camera.fx), camera.height / float(camera.fy)),
+    )
     rims = (middle - size[1] / 2, middle + size[1] / 2)
     views = plan_viewpoints(profile, rims, field, home, np.asarray(robot.footprint, float), echoes)
     job = Job(
@@ -117,4 +120,8 @@ def _resolved(options: PaintOptions, job: Job) -> dict:
         "low_speed_scale": float(limits.low_speed_scale),
         "variance_bounds": (float(limits.variance_lower), float(limits.variance_upper)),
     }
-    return {name: value for name, value in found.items() if getattr(options, name) is None and np.isfinite(value).all()}
+    return {
+        name: value
+        for name, value in found.items()
+        if getattr(options, name) is None and np.isfinite(value).all()
+    }

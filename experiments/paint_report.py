@@ -51,7 +51,9 @@ def report_data(task: PaintTask, mission: Mission, rows: Sequence[WorldScore]) -
     """The pictures of the first group's worlds."""
     shown = _shown(rows[: len(mission.status)])
     names = ("median world", "worst world")
-    walls = tuple(_wall(task, mission, world, f"{name}, {world}") for name, world in zip(names, shown, strict=False))
+    walls = tuple(
+        _wall(task, mission, world, f"{name}, {world}") for name, world in zip(names, shown, strict=False)
+    )
     grid = _on_paint_grid(task)
     return ReportData(
         wanted=grid[0],
@@ -133,7 +135,9 @@ def _tracking(task: PaintTask, mission: Mission) -> TrackingError:
     longest = int(max(live.any(axis=0).sum(), 1))
     error = np.linalg.norm(mission.truth.position - record.planned, axis=-1)
     error = np.where(live, error, np.nan)[:, :longest]
-    low, median, high = np.nanpercentile(error, [5, 50, 95], axis=0) if live.any() else np.full((3, longest), np.nan)
+    low, median, high = (
+        np.nanpercentile(error, [5, 50, 95], axis=0) if live.any() else np.full((3, longest), np.nan)
+    )
     alive = np.maximum(live.sum(axis=0), 1)
     return TrackingError(
         time=np.arange(longest) * float(task.job.dt) * RECORD_EVERY,

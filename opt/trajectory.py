@@ -37,11 +37,15 @@ class TrajectoryController(Controller):
         """Nothing to remember."""
         return TrajectoryMemory()
 
-    def decide(self, memory: TrajectoryMemory, measured: Measured, clock, dt) -> tuple[Decision, TrajectoryMemory]:
+    def decide(
+        self, memory: TrajectoryMemory, measured: Measured, clock, dt
+    ) -> tuple[Decision, TrajectoryMemory]:
         """One control step."""
         row = self.plan.at(clock)
         q, velocity, pen = row[:9], row[9:18], row[18]
-        off = jnp.concatenate([q[:2] - measured.base[:2], wrap(q[2:3] - measured.base[2:]), q[3:] - measured.arm])
+        off = jnp.concatenate(
+            [q[:2] - measured.base[:2], wrap(q[2:3] - measured.base[2:]), q[3:] - measured.arm]
+        )
         wanted = velocity + self.gain * off
         moving = (jnp.abs(velocity[:3]) > _WORTH_MEASURING).any()
         base = jnp.where(moving, wanted[:3], velocity[:3])

@@ -70,5 +70,9 @@ def moved(pose: Float[Array, "3"], motion: Float[Array, "3"]) -> Float[Array, "3
     yaw = pose[2] + motion[2] / 2
     c, s = jnp.cos(yaw), jnp.sin(yaw)
     return jnp.stack(
-        [pose[0] + c * motion[0] - s * motion[1], pose[1] + s * motion[0] + c * motion[1], pose[2] + motion[2]]
+        [
+            pose[0] + c * motion[0] - s * motion[1],
+            pose[1] + s * motion[0] + c * motion[1],
+            pose[2] + motion[2],
+        ]
     )

@@ -109,5 +109,3 @@ def _record(world: World, decision, clock, live) -> Record:
 def _all_finite(tree) -> Bool[Array, ""]:
     sums = [jnp.sum(x) for x in jax.tree.leaves(tree) if jnp.issubdtype(jnp.result_type(x), jnp.floating)]
     return jnp.isfinite(jnp.stack(sums)).all()
-
-

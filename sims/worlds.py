@@ -48,7 +48,9 @@ def step(
 
     shock: standard normal numbers for the odometry's random walk.
     """
-    wheels = drive(robot.steering, world.wheels, command.base_twist, command.steer_twist, _RIM_ACCELERATION, dt)
+    wheels = drive(
+        robot.steering, world.wheels, command.base_twist, command.steer_twist, _RIM_ACCELERATION, dt
+    )
     rolled = base_twist(robot.steering, wheels.angle, wheels.speed)
     reported = base_twist(robot.steering, wheels.angle, reported_speed(noise, wheels.speed))
     turned = jnp.abs(wheels.angle - world.wheels.angle).mean()

@@ -9,7 +9,6 @@ from collections.abc import Callable
 from experiments.benchmarks.rows import BenchRow
 
 
-
 def _control() -> list[BenchRow]:
     from experiments.benchmarks import control
 

@@ -25,7 +25,9 @@ def batch_last(jaxpr: core.ClosedJaxpr, args: Sequence[Value], worlds: int) -> l
     """Evaluates `jaxpr`; a `Value` that is batched has shape `[*one_world, worlds]`."""
     body = jaxpr.jaxpr
     reads = _count_reads(body)
-    env: dict[core.Var, Value] = dict(zip(body.constvars, (Value(c, False) for c in jaxpr.consts), strict=True))
+    env: dict[core.Var, Value] = dict(
+        zip(body.constvars, (Value(c, False) for c in jaxpr.consts), strict=True)
+    )
     env.update(zip(body.invars, args, strict=True))
 
     def read(atom) -> Value:

@@ -40,7 +40,9 @@ class Batched:
         axes = self._leaf_axes(args)
         counts = {np.shape(x)[0] for x, batched in zip(flat, axes, strict=True) if batched}
         if len(counts) != 1:
-            raise ValueError(f"in_axes: the batched arguments must share one leading size, found {sorted(counts)}")
+            raise ValueError(
+                f"in_axes: the batched arguments must share one leading size, found {sorted(counts)}"
+            )
         worlds = counts.pop()
         mesh = Mesh(np.array(jax.local_devices()), ("worlds",))
         # A loop of one round is compiled to other code, whose last bits differ: never fewer than two.
@@ -52,7 +54,9 @@ class Batched:
 
     def _leaf_axes(self, args) -> tuple[bool, ...]:
         return tuple(
-            axis is not None for arg, axis in zip(args, self._in_axes, strict=True) for _ in jax.tree.leaves(arg)
+            axis is not None
+            for arg, axis in zip(args, self._in_axes, strict=True)
+            for _ in jax.tree.leaves(arg)
         )
 
     def _program(self, flat, tree, axes, per_device, mesh) -> Callable:
@@ -69,7 +73,9 @@ class Batched:
         def body(*leaves):
             return self._on_one_device(leaves, tree, axes, per_device)
 
-        shards = jax.shard_map(body, mesh=mesh, in_specs=specs, out_specs=PartitionSpec("worlds"), check_vma=False)
+        shards = jax.shard_map(
+            body, mesh=mesh, in_specs=specs, out_specs=PartitionSpec("worlds"), check_vma=False
+        )
         on_cpu = jax.default_backend() == "cpu"
         options = (_DENSE_OPTIONS if self._dense else CPU_OPTIONS) if on_cpu else None
         return jax.jit(shards).lower(*flat).compile(compiler_options=options)
@@ -158,7 +164,10 @@ def _batch_last_chunk(function, leaves, tree, axes, chunk):
     def flat_function(*flat):
         return function(*jax.tree.unflatten(tree, flat))
 
-    one = [jax.ShapeDtypeStruct(x.shape[1:] if b else x.shape, x.dtype) for x, b in zip(leaves, axes, strict=True)]
+    one = [
+        jax.ShapeDtypeStruct(x.shape[1:] if b else x.shape, x.dtype)
+        for x, b in zip(leaves, axes, strict=True)
+    ]
     jaxpr, shape = jax.make_jaxpr(flat_function, return_shape=True)(*one)
     values = [Value(jnp.moveaxis(x, 0, -1) if b else x, b) for x, b in zip(leaves, axes, strict=True)]
     out = batch_last(jaxpr, values, chunk)

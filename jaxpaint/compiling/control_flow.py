@@ -20,7 +20,9 @@ def _shapes(atoms) -> list[tuple[int, ...]]:
     return [v.aval.shape for v in atoms]
 
 
-def _spread_all(values: Sequence[Value], shapes: Sequence[tuple[int, ...]], flags, worlds: int) -> list[jax.Array]:
+def _spread_all(
+    values: Sequence[Value], shapes: Sequence[tuple[int, ...]], flags, worlds: int
+) -> list[jax.Array]:
     """Arrays of the values, those that are flagged given a worlds axis."""
     return [
         spread(v, s, worlds) if f and not v.batched else v.array
@@ -70,7 +72,12 @@ def _scan(equation, inputs: list[Value], worlds: int, evaluate: Evaluate) -> lis
 
     start = _spread_all(init, out_shapes[:n_carry], flags, worlds)
     carry, ys = lax.scan(
-        step, tuple(start), tuple(v.array for v in xs), length=p["length"], reverse=p["reverse"], unroll=p["unroll"]
+        step,
+        tuple(start),
+        tuple(v.array for v in xs),
+        length=p["length"],
+        reverse=p["reverse"],
+        unroll=p["unroll"],
     )
     return [*map(Value, carry, flags), *map(Value, ys, y_flags)]
 
@@ -80,7 +87,8 @@ def _while(equation, inputs: list[Value], worlds: int, evaluate: Evaluate) -> li
     test, body, n_test, n_body = p["cond_jaxpr"], p["body_jaxpr"], p["cond_nconsts"], p["body_nconsts"]
     test_consts, consts, init = inputs[:n_test], inputs[n_test : n_test + n_body], inputs[n_test + n_body :]
     flags = _settle(
-        lambda carry: _batched_outputs(body, [*(v.batched for v in consts), *carry]), [v.batched for v in init]
+        lambda carry: _batched_outputs(body, [*(v.batched for v in consts), *carry]),
+        [v.batched for v in init],
     )
     by_world = _batched_outputs(test, [*(v.batched for v in test_consts), *flags])[0]
     flags = [True] * len(flags) if by_world else flags
@@ -107,7 +115,9 @@ def _cond(equation, inputs: list[Value], worlds: int, evaluate: Evaluate) -> lis
     index, operands = inputs[0], inputs[1:]
     shapes = _shapes(equation.outvars)
     if index.batched:  # every world takes its own branch: all are evaluated
-        results = [_spread_all(evaluate(b, operands, worlds), shapes, [True] * len(shapes), worlds) for b in branches]
+        results = [
+            _spread_all(evaluate(b, operands, worlds), shapes, [True] * len(shapes), worlds) for b in branches
+        ]
         return [Value(_choose(index.array, list(choices)), True) for choices in zip(*results, strict=True)]
     flag_sets = [_batched_outputs(b, [v.batched for v in operands]) for b in branches]
     flags = [any(column) for column in zip(*flag_sets, strict=True)]
@@ -115,7 +125,9 @@ def _cond(equation, inputs: list[Value], worlds: int, evaluate: Evaluate) -> lis
     def run(branch):
         return lambda *arrays: tuple(
             _spread_all(
-                evaluate(branch, [Value(a, v.batched) for a, v in zip(arrays, operands, strict=True)], worlds),
+                evaluate(
+                    branch, [Value(a, v.batched) for a, v in zip(arrays, operands, strict=True)], worlds
+                ),
                 shapes,
                 flags,
                 worlds,
@@ -135,7 +147,17 @@ def _choose(index: jax.Array, choices: list[jax.Array]) -> jax.Array:
 
 CONTROL_FLOW = {
     **dict.fromkeys(
-        ["jit", "pjit", "closed_call", "core_call", "custom_jvp_call", "custom_vjp_call", "remat", "checkpoint"], _call
+        [
+            "jit",
+            "pjit",
+            "closed_call",
+            "core_call",
+            "custom_jvp_call",
+            "custom_vjp_call",
+            "remat",
+            "checkpoint",
+        ],
+        _call,
     ),
     "scan": _scan,
     "while": _while,

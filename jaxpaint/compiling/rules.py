@@ -71,9 +71,7 @@ def _transpose(equation: core.JaxprEqn, inputs: list[Value], worlds: int) -> lis
 
 
 def _concatenate(equation: core.JaxprEqn, inputs: list[Value], worlds: int) -> list[Value]:
-    arrays = [
-        spread(v, atom.aval.shape, worlds) for v, atom in zip(inputs, equation.invars, strict=True)
-    ]
+    arrays = [spread(v, atom.aval.shape, worlds) for v, atom in zip(inputs, equation.invars, strict=True)]
     return [Value(lax.concatenate(arrays, equation.params["dimension"]), True)]
 
 

@@ -44,7 +44,13 @@ def update_halt(
     travel = state.travel + travelled * (1 - state.halted)
     stop = jnp.maximum(exceeds(travel, t.halt_travel, t.halt_temperature), arrived) * (1 - state.halted)
     rested = (state.rest >= t.dwell).astype(travelled.dtype)
-    go = exceeds(distance, t.release_margin, t.release_temperature) * rested * worthwhile * (1 - arrived) * state.halted
+    go = (
+        exceeds(distance, t.release_margin, t.release_temperature)
+        * rested
+        * worthwhile
+        * (1 - arrived)
+        * state.halted
+    )
     halted = (state.halted + stop - go) * enabled
     return HaltState(
         halted=halted,

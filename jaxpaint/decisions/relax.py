@@ -5,7 +5,9 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 
-def exceeds(value: Float[Array, "*s"], threshold: Float[Array, "*s"], temperature: Float[Array, ""]) -> Float[Array, "*s"]:
+def exceeds(
+    value: Float[Array, "*s"], threshold: Float[Array, "*s"], temperature: Float[Array, ""]
+) -> Float[Array, "*s"]:
     """1 where `value >= threshold`, else 0; with a temperature > 0 a logistic curve of that width.
 
     Infinite thresholds are never exceeded, at any temperature.

@@ -33,7 +33,9 @@ def plan_stations(
     A station serves the mean of the next `horizon` seconds: the base faces along the mean axis and has the mean
     position at `home`. Where that is too near to the surface it is pushed away, nearest point first.
     """
-    ahead = _window_mean(time, jnp.concatenate([position[:, :2], axis[:, :2]], axis=1), weight + 1e-3, settings.horizon)
+    ahead = _window_mean(
+        time, jnp.concatenate([position[:, :2], axis[:, :2]], axis=1), weight + 1e-3, settings.horizon
+    )
     yaw = jnp.arctan2(ahead[:, 3], ahead[:, 2])
     c, s = jnp.cos(yaw), jnp.sin(yaw)
     x = ahead[:, 0] - c * home[0] + s * home[1]
@@ -47,7 +49,9 @@ def plan_stations(
 def _window_mean(time, values, weight, horizon):
     """Weighted mean of rows from each time to `horizon` later, by differences of sums."""
     zero = jnp.zeros((1, values.shape[1] + 1), values.dtype)
-    sums = jnp.concatenate([zero, jnp.cumsum(jnp.concatenate([values, weight[:, None] ** 0], 1) * weight[:, None], 0)])
+    sums = jnp.concatenate(
+        [zero, jnp.cumsum(jnp.concatenate([values, weight[:, None] ** 0], 1) * weight[:, None], 0)]
+    )
     last = jnp.searchsorted(time, time + horizon, side="right")
     total = sums[last] - sums[jnp.arange(time.shape[0])]
     return total[:, :-1] / total[:, -1:]

@@ -96,7 +96,9 @@ def _column(profile: Profile, middle: float, place: float, wide: float, home, s:
     return camera, heading, _base_at(point, heading, home)
 
 
-def _base_at(point: Float[np.ndarray, "2"], heading: float, home: tuple[float, float]) -> Float[np.ndarray, "3"]:
+def _base_at(
+    point: Float[np.ndarray, "2"], heading: float, home: tuple[float, float]
+) -> Float[np.ndarray, "3"]:
     """The base pose that has its best brush place at a point of the wall."""
     place = point - home[0] * _ahead(heading) + home[1] * _right(heading)
     return np.array([*place, heading])

@@ -13,7 +13,9 @@ class LDL(NamedTuple):
     inverse: list[Array]
 
 
-def weighted_gram(jacobian: Float[Array, "m n"], weight: Float[Array, "n"], ridge: Float[Array, "m"]) -> list[Array]:
+def weighted_gram(
+    jacobian: Float[Array, "m n"], weight: Float[Array, "n"], ridge: Float[Array, "m"]
+) -> list[Array]:
     """Columns, from the diagonal down, of J diag(w) J' + diag(ridge)."""
     weighted = jacobian * weight
     columns = [(weighted[j] * jacobian[j:]).sum(-1) for j in range(jacobian.shape[0])]

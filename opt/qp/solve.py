@@ -17,7 +17,9 @@ _SHARP = {"float32": 1e-9, "float64": 1e-14}
 _TOLERANCE = {"float32": 1e-3, "float64": 1e-7}
 
 
-def solve_qp(problem: QuadraticProgram, *, smoothing: float | Array = 0.0, iterations: int = 12) -> QPSolution:
+def solve_qp(
+    problem: QuadraticProgram, *, smoothing: float | Array = 0.0, iterations: int = 12
+) -> QPSolution:
     """Solves one program in a fixed number of iterations.
 
     smoothing: the product of bound distance and multiplier at the solution. At 0 (and below float precision)
@@ -42,7 +44,13 @@ def _blank(problem: QuadraticProgram) -> QuadraticProgram:
     """A program with the solution zero, put in place of one that is not finite."""
     zero = jax.tree.map(jnp.zeros_like, problem)
     return QuadraticProgram(
-        zero.cost + 1, zero.linear, zero.jacobian, zero.target, zero.slack_cost + 1, zero.lower - 1, zero.upper + 1
+        zero.cost + 1,
+        zero.linear,
+        zero.jacobian,
+        zero.target,
+        zero.slack_cost + 1,
+        zero.lower - 1,
+        zero.upper + 1,
     )
 
 

@@ -61,7 +61,9 @@ def demand_base(
     With the low-speed rule off nothing is demanded, and the gate is the latch alone.
     """
     s, lever = situation, settings.yaw_lever
-    offset = jnp.stack([s.station[0] - s.base[0], s.station[1] - s.base[1], wrap(s.station[2] - s.base[2]) * lever])
+    offset = jnp.stack(
+        [s.station[0] - s.base[0], s.station[1] - s.base[1], wrap(s.station[2] - s.base[2]) * lever]
+    )
     left = _length(offset)
     ruled = (thresholds.low_speed_scale > 0).astype(left.dtype)
     arrived = (left < _ARRIVED).astype(left.dtype) * ruled
@@ -69,9 +71,20 @@ def demand_base(
     far = stretch(s.base, s.brush, s.heading, s.home, lever)
     halt = update_halt(state, s.travelled, far, arrived, worthwhile, thresholds, dt)
     free = 1 - halt.halted
-    pace = jnp.clip(_APPROACH * left, _LEAST, jnp.maximum(thresholds.low_speed_scale * s.speed, _LEAST)) * ruled
-    velocity = pace * offset / jnp.maximum(left, 1e-6) / jnp.stack([jnp.ones_like(lever), jnp.ones_like(lever), lever])
-    velocity = velocity * jnp.minimum(1.0, 1 / jnp.maximum((jnp.abs(velocity) / speed_limit).max(), 1e-9)) * (1 - arrived)
+    pace = (
+        jnp.clip(_APPROACH * left, _LEAST, jnp.maximum(thresholds.low_speed_scale * s.speed, _LEAST)) * ruled
+    )
+    velocity = (
+        pace
+        * offset
+        / jnp.maximum(left, 1e-6)
+        / jnp.stack([jnp.ones_like(lever), jnp.ones_like(lever), lever])
+    )
+    velocity = (
+        velocity
+        * jnp.minimum(1.0, 1 / jnp.maximum((jnp.abs(velocity) / speed_limit).max(), 1e-9))
+        * (1 - arrived)
+    )
     ready = _alignment(geometry, body_twist(velocity, s.base[2]), wheel_angle)
     return BaseDemand(velocity, free * jnp.where(ruled > 0, ready, 1.0), free, halt)
 
@@ -82,7 +95,9 @@ def body_twist(velocity: Float[Array, "3"], yaw: Float[Array, ""]) -> Float[Arra
     return jnp.stack([c * velocity[0] + s * velocity[1], c * velocity[1] - s * velocity[0], velocity[2]])
 
 
-def stretch(base: Float[Array, "3"], brush: Float[Array, "2"], heading, home: Float[Array, "2"], lever) -> Float[Array, ""]:
+def stretch(
+    base: Float[Array, "3"], brush: Float[Array, "2"], heading, home: Float[Array, "2"], lever
+) -> Float[Array, ""]:
     """How far the brush is from its best place before the arm [m]: the reach margin's measure.
 
     base: (x, y, yaw). brush: (x, y) [m], heading: yaw of its axis [rad]. home: the best place in the base frame.

@@ -67,7 +67,10 @@ class WholeBodyController(Controller):
     def initial(self, measured: Measured) -> Memory:
         """A controller at rest."""
         return Memory(
-            initial_halt(measured.base.dtype), jnp.zeros_like(measured.base), jnp.zeros_like(measured.arm), measured.base
+            initial_halt(measured.base.dtype),
+            jnp.zeros_like(measured.base),
+            jnp.zeros_like(measured.arm),
+            measured.base,
         )
 
     def decide(self, memory: Memory, measured: Measured, clock, dt) -> tuple[Decision, Memory]:
@@ -76,7 +79,9 @@ class WholeBodyController(Controller):
         planned = read_reference(self.reference, clock)
         error = _length(planned.position - pose.p)
         rate = self.pace * jnp.clip(2 - 2 * error / self.settings.hold_error, 0.0, 1.0)
-        reference = planned._replace(velocity=planned.velocity * rate, angular_velocity=planned.angular_velocity * rate)
+        reference = planned._replace(
+            velocity=planned.velocity * rate, angular_velocity=planned.angular_velocity * rate
+        )
         demand = self._demand(memory, measured, reference, self.stations.at(clock), dt)
         rows = brush_rows(pose.p, pose.R, jac, reference, self.settings)
         cost, linear = self._costs(jac, demand)
@@ -90,7 +95,11 @@ class WholeBodyController(Controller):
         return decision, Memory(demand.halt, base, arm, measured.base)
 
     def _demand(self, memory: Memory, measured: Measured, reference: Reference, station, dt) -> BaseDemand:
-        axis, step, lever = reference.rotation[:, 2], measured.base - memory.last_base, self.settings.yaw_lever
+        axis, step, lever = (
+            reference.rotation[:, 2],
+            measured.base - memory.last_base,
+            self.settings.yaw_lever,
+        )
         situation = Situation(
             base=measured.base,
             station=station,
@@ -111,7 +120,9 @@ class WholeBodyController(Controller):
             dt,
         )
 
-    def _costs(self, jac: Float[Array, "6 n"], demand: BaseDemand) -> tuple[Float[Array, "n"], Float[Array, "n"]]:
+    def _costs(
+        self, jac: Float[Array, "6 n"], demand: BaseDemand
+    ) -> tuple[Float[Array, "n"], Float[Array, "n"]]:
         """Diagonal of M and C of S1-(10): effort, the demanded base motion, manipulability."""
         s = self.settings
         climb = manipulability_gradient(jac[:, 3:], damping=1e-4)[1]
@@ -127,7 +138,10 @@ class WholeBodyController(Controller):
 
     def _base_bounds(self, memory: Memory, demand: BaseDemand, dt) -> Bounds:
         ruled = self.thresholds.low_speed_scale > 0
-        follow, free = demanded_motion_bounds(demand.velocity, demand.gate), self.robot.base_speed * demand.gate
+        follow, free = (
+            demanded_motion_bounds(demand.velocity, demand.gate),
+            self.robot.base_speed * demand.gate,
+        )
         bounds = Bounds(jnp.where(ruled, follow.lower, -free), jnp.where(ruled, follow.upper, free))
         return within_acceleration(bounds, memory.base_velocity, self.robot.base_acceleration * dt)
 

@@ -24,7 +24,8 @@ def damped(bounds: Bounds, q: Float[Array, "n"], lower, upper, start, stop) -> B
     to_upper = limit * (upper - q - stop) / (start - stop)
     to_lower = limit * (q - lower - stop) / (start - stop)
     return Bounds(
-        jnp.maximum(bounds.lower, -jnp.maximum(to_lower, 0.0)), jnp.minimum(bounds.upper, jnp.maximum(to_upper, 0.0))
+        jnp.maximum(bounds.lower, -jnp.maximum(to_lower, 0.0)),
+        jnp.minimum(bounds.upper, jnp.maximum(to_upper, 0.0)),
     )
 
 

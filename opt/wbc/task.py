@@ -46,7 +46,9 @@ def brush_rows(
     The brush frame keeps the spin about the brush apart: its slack is cheap.
     """
     linear = reference.velocity + settings.position_gain * (reference.position - position)
-    angular = reference.angular_velocity + settings.orientation_gain * orientation_error(rotation, reference.rotation)
+    angular = reference.angular_velocity + settings.orientation_gain * orientation_error(
+        rotation, reference.rotation
+    )
 
     def to_brush(rows):  # R' rows, for [3] and [3, n]
         return (rotation.reshape(3, 3, *[1] * (rows.ndim - 1)) * rows[:, None]).sum(0)

@@ -69,7 +69,9 @@ _GAP = one_by_one(gap_to_surface, in_axes=(None, 0, 0))
 
 def approach(job: Job, worlds: World, painting: Painting) -> Approach:
     """Plans the approach in all worlds."""
-    trajectory, duration, reachable = _PLAN(job, worlds, painting.plan.rows[:, 0], painting.plan.stations[:, 0])
+    trajectory, duration, reachable = _PLAN(
+        job, worlds, painting.plan.rows[:, 0], painting.plan.stations[:, 0]
+    )
     gap = _GAP(job, trajectory, painting.obstacles)
     return Approach(joint_plan(job, trajectory, duration), reachable, gap)
 

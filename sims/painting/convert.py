@@ -50,6 +50,8 @@ _BRUSH_ROW = batched(_brush_row, in_axes=(None, 0), chunk=256)
 def brush_for_joints(job: Job, plan: JointPlan) -> BrushPlan:
     """The brush path of a joint plan, pen up, with its base poses as stations."""
     worlds, count, width = plan.rows.shape
-    rows = np.asarray(_BRUSH_ROW(job.robot.chain, np.asarray(plan.rows).reshape(-1, width))).reshape(worlds, count, -1)
+    rows = np.asarray(_BRUSH_ROW(job.robot.chain, np.asarray(plan.rows).reshape(-1, width))).reshape(
+        worlds, count, -1
+    )
     stations = np.asarray(plan.rows)[:, ::_STATION_EVERY, :3]
     return BrushPlan(rows, plan.step, plan.origin, stations, plan.step * _STATION_EVERY, plan.duration)

@@ -62,7 +62,9 @@ class Driven(NamedTuple):
 
 def _trajectory(job: Job, plan: JointPlan) -> TrajectoryController:
     gain = jnp.asarray(_TRAJECTORY_GAIN, plan.rows.dtype)
-    return TrajectoryController(job.robot.chain, Samples(plan.rows, plan.step, plan.origin), gain, plan.duration)
+    return TrajectoryController(
+        job.robot.chain, Samples(plan.rows, plan.step, plan.origin), gain, plan.duration
+    )
 
 
 def _whole_body(job: Job, plan: BrushPlan) -> WholeBodyController:
@@ -86,7 +88,13 @@ def _blocks(controller: Callable) -> Callable:
     def block(job: Job, plan, state: RolloutState, world: Int[Array, ""], number: Int[Array, "2"]):
         key = jax.random.fold_in(job.key(world, number[0]), number[1])
         return run_block(
-            controller(job, plan), job.limits, job.noise.odometry, job.dt, state, key, records=_BLOCK // RECORD_EVERY
+            controller(job, plan),
+            job.limits,
+            job.noise.odometry,
+            job.dt,
+            state,
+            key,
+            records=_BLOCK // RECORD_EVERY,
         )
 
     return block
@@ -141,7 +149,9 @@ def _window(plan: JointPlan | BrushPlan, rows: np.ndarray, clock: np.ndarray) ->
     step = np.asarray(plan.step)
     first = np.clip(np.floor(np.nan_to_num(clock) / step).astype(int) - 1, 0, max(rows.shape[1] - 2, 0))
     index = np.minimum(first[:, None] + np.arange(_WINDOW), rows.shape[1] - 1)
-    return plan._replace(rows=np.take_along_axis(rows, index[..., None], axis=1), origin=(first * step).astype(step.dtype))
+    return plan._replace(
+        rows=np.take_along_axis(rows, index[..., None], axis=1), origin=(first * step).astype(step.dtype)
+    )
 
 
 def compile_seconds() -> float:

@@ -55,4 +55,3 @@ class Job(eqx.Module):
 
 # Purposes of random numbers.
 START, SLIP, DEPTH, SCAN, APPROACH, PAINT, SURVEY = range(7)
-

@@ -79,14 +79,22 @@ def run_mission(
     truth = true_brush(job, driven)
     laid = jax.block_until_ready(lay(job, grid, driven, truth))
     executed = time.perf_counter() - begin
-    reachable = np.asarray(scan.reachable & path_there.reachable) & body_is_clear(scan.gap) & body_is_clear(path_there.gap)
+    reachable = (
+        np.asarray(scan.reachable & path_there.reachable)
+        & body_is_clear(scan.gap)
+        & body_is_clear(path_there.gap)
+    )
     status = _judge(driven, laid, reachable, diverged | driven.diverged)
     surface = _CHAMFER(job.scene.chart, *clouds, *_extent(grid))
     advance(STAGES["lay"])
-    return Mission(status, Modes(scan_mode, paint_mode), clouds, painting, driven, truth, laid, surface, executed)
+    return Mission(
+        status, Modes(scan_mode, paint_mode), clouds, painting, driven, truth, laid, surface, executed
+    )
 
 
-def _scan(job: Job, worlds: World, index, controller: Chooser, advance) -> tuple[ScanPlan, Driven, np.ndarray]:
+def _scan(
+    job: Job, worlds: World, index, controller: Chooser, advance
+) -> tuple[ScanPlan, Driven, np.ndarray]:
     scan = scan_motion(job, worlds)
     mode = choose_for_scan(controller, job, len(index))
     plans = (lambda: scan.plan), (lambda: brush_for_joints(job, scan.plan))

@@ -63,7 +63,14 @@ def stations(job: Job, rows: Float[Array, "t 19"], obstacles: Float[Array, "m 3"
     settings = StationSettings(jnp.asarray(_HORIZON), jnp.asarray(_CLEARANCE))
     surface = jnp.where(real[:, None], obstacles, 0.0)
     return plan_stations(
-        time, coarse[:, :3], coarse[:, 5:12:3], coarse[:, 18], surface, real.astype(rows.dtype), job.limits.home, settings
+        time,
+        coarse[:, :3],
+        coarse[:, 5:12:3],
+        coarse[:, 18],
+        surface,
+        real.astype(rows.dtype),
+        job.limits.home,
+        settings,
     )
 
 
@@ -79,5 +86,7 @@ def plan_painting(job: Job, cloud: Float[Array, "w n 3"], valid: Bool[Array, "w 
     rows = _ROWS(job, path, jnp.zeros(count, jnp.int32))
     places = _STATIONS(job, rows, obstacles)
     step = np.full(path.end.shape, float(job.dt), np.asarray(path.end).dtype)
-    plan = BrushPlan(np.asarray(rows), step, 0 * step, np.asarray(places), step * _STATION_EVERY, np.asarray(path.end))
+    plan = BrushPlan(
+        np.asarray(rows), step, 0 * step, np.asarray(places), step * _STATION_EVERY, np.asarray(path.end)
+    )
     return Painting(path, causes, obstacles, plan)

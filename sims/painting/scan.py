@@ -88,7 +88,9 @@ def time_scan(job: Job, waypoints: Float[Array, "w 9"]):
 
     known = jnp.isfinite(job.echoes).all(-1)
     lidar = job.robot.T_base_lidar.p[2]
-    wall = job.canvas.to_canvas(jnp.concatenate([job.echoes, jnp.zeros_like(job.echoes[:, :1])], axis=1))[1] > 0
+    wall = (
+        job.canvas.to_canvas(jnp.concatenate([job.echoes, jnp.zeros_like(job.echoes[:, :1])], axis=1))[1] > 0
+    )
 
     def from_echoes(p):
         """Walls are upright, so an echo behind the canvas stands for all heights; clutter for its own and below."""

@@ -23,7 +23,9 @@ DT = 0.02
 
 
 def doubles(tree):
-    return jax.tree.map(lambda x: jnp.asarray(x, jnp.float64) if jnp.issubdtype(x.dtype, jnp.floating) else x, tree)
+    return jax.tree.map(
+        lambda x: jnp.asarray(x, jnp.float64) if jnp.issubdtype(x.dtype, jnp.floating) else x, tree
+    )
 
 
 def circle(brush, steps):
@@ -44,7 +46,14 @@ def controller(limits, rows, base, parameters):
     scale = jnp.exp(parameters)
     settings = doubles(default_settings())
     settings = eqx.tree_at(
-        lambda s: (s.position_gain, s.arm_effort, s.base_effort, s.manipulability, s.base_follow, s.qp_smoothing),
+        lambda s: (
+            s.position_gain,
+            s.arm_effort,
+            s.base_effort,
+            s.manipulability,
+            s.base_follow,
+            s.qp_smoothing,
+        ),
         settings,
         (
             settings.position_gain * scale[0],
@@ -55,7 +64,9 @@ def controller(limits, rows, base, parameters):
             jnp.asarray(1e-4),
         ),
     )
-    thresholds = doubles(default_thresholds(release_margin=0.0, halt_temperature=0.05, release_temperature=0.05))
+    thresholds = doubles(
+        default_thresholds(release_margin=0.0, halt_temperature=0.05, release_temperature=0.05)
+    )
     step, far = jnp.asarray(DT), base + jnp.asarray([0.0, 0.3, 0.0])
     return WholeBodyController(
         limits, settings, thresholds, Samples(rows, step, 0 * step), Samples(far[None], step, 0 * step), jnp.asarray(0.03), scale[5],
@@ -87,7 +98,9 @@ def test_reverse_mode_agrees_with_central_differences(x64):
     points = jnp.asarray(rng.uniform(-0.4, 0.4, (POINTS, 6)))
     arms = home + jnp.asarray(rng.uniform(-0.01, 0.01, (POINTS, 6)))
     both = batched(
-        lambda limits, noise, rows, arm, p: jax.value_and_grad(lambda x: loss(limits, noise, rows, arm, x))(p),
+        lambda limits, noise, rows, arm, p: jax.value_and_grad(lambda x: loss(limits, noise, rows, arm, x))(
+            p
+        ),
         in_axes=(None, None, None, 0, 0),
         chunk=10,
     )

@@ -18,7 +18,9 @@ NOTHING = np.full((1, 2), np.nan)
 
 def straight(width):
     """The outline of a flat wall at x = 0."""
-    return wall_profile(np.array([-0.05, 0.0, 1.1]), 0.0, width, np.stack([np.zeros(400), np.linspace(-4, 4, 400)], 1))
+    return wall_profile(
+        np.array([-0.05, 0.0, 1.1]), 0.0, width, np.stack([np.zeros(400), np.linspace(-4, 4, 400)], 1)
+    )
 
 
 def plan(profile, height=0.6, echoes=NOTHING):
@@ -30,7 +32,9 @@ def test_views_cover_the_canvas(width, height):
     settings = ViewpointSettings()
     views = plan(straight(width), height)
     half = 0.5 * settings.distance * np.array(FIELD)
-    y, z = np.meshgrid(np.linspace(-width / 2, width / 2, 40) * 0.95, np.linspace(-height / 2, height / 2, 20) + 1.1)
+    y, z = np.meshgrid(
+        np.linspace(-width / 2, width / 2, 40) * 0.95, np.linspace(-height / 2, height / 2, 20) + 1.1
+    )
     points = np.stack([y, z], -1).reshape(-1, 1, 2)
     assert (np.abs(points - views.camera[:, 1:]) <= half + 1e-6).all(-1).any(1).all()
     np.testing.assert_allclose(views.camera[:, 0], -settings.distance, atol=1e-6)

@@ -48,7 +48,9 @@ def test_bad_problems_get_a_status_and_leave_the_others_alone():
     nan = p.target.at[3, 2].set(jnp.nan)
     crossed = p.lower.at[5, 1].set(2.0)
     pinned_low, pinned_high = crossed.at[7].set(0.0), p.upper.at[7].set(0.0)
-    solution = SOLVE(QuadraticProgram(p.cost, p.linear, p.jacobian, nan, p.slack_cost, pinned_low, pinned_high))
+    solution = SOLVE(
+        QuadraticProgram(p.cost, p.linear, p.jacobian, nan, p.slack_cost, pinned_low, pinned_high)
+    )
     status = np.asarray(solution.status)
     assert status[3] == QPStatus.NOT_FINITE
     assert status[5] == QPStatus.INFEASIBLE
@@ -71,7 +73,9 @@ def test_gradients_agree_with_differences_and_forward_with_reverse(x64, smoothin
     gradient = jax.grad(value)(one)
     tangent = jax.tree.map(lambda x: jnp.asarray(np.random.default_rng(3).normal(size=x.shape)) * x, one)
     forward = jax.jvp(value, (one,), (tangent,))[1]
-    reverse = sum(jnp.sum(a * b) for a, b in zip(jax.tree.leaves(gradient), jax.tree.leaves(tangent), strict=True))
+    reverse = sum(
+        jnp.sum(a * b) for a, b in zip(jax.tree.leaves(gradient), jax.tree.leaves(tangent), strict=True)
+    )
     h = 1e-6
     ahead, behind = (value(jax.tree.map(lambda x, t: x + s * h * t, one, tangent)) for s in (1, -1))
     np.testing.assert_allclose(reverse, forward, rtol=1e-9)

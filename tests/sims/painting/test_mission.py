@@ -54,7 +54,7 @@ def test_a_broken_world_is_counted_and_changes_no_other(task, mission):
     assert broken.status[2] == Status.DIVERGED
     kept = [0, 1, 3]
     np.testing.assert_array_equal(broken.status[kept], Status.OK)
-    np.testing.assert_array_equal(broken.laid.thickness[kept], np.asarray(mission.laid.thickness)[kept])
+    np.testing.assert_array_equal(np.asarray(broken.laid.thickness)[kept], np.asarray(mission.laid.thickness)[kept])
     live = mission.driven.record.live[kept]
     rows = live.shape[1]
     ours, theirs = mission.truth.position[kept][live], broken.truth.position[kept][:, :rows][live]
@@ -63,7 +63,11 @@ def test_a_broken_world_is_counted_and_changes_no_other(task, mission):
 
 def test_a_world_does_not_depend_on_how_many_run_and_sweeps_do_not_trace_again(task, mission):
     traces = _BLOCKS[BrushPlan].traces
-    job = eqx.tree_at(lambda j: (j.thresholds.halt_travel, j.settings.position_gain), task.job, (jnp.float32(0.2), jnp.float32(3.0)))
+    job = eqx.tree_at(
+        lambda j: (j.thresholds.halt_travel, j.settings.position_gain),
+        task.job,
+        (jnp.float32(0.2), jnp.float32(3.0)),
+    )
     run_mission(job, task.grid, np.arange(WORLDS))
     assert _BLOCKS[BrushPlan].traces == traces
     more = run_mission(task.job, task.grid, np.arange(WORLDS + 2))
