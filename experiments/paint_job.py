@@ -1,4 +1,6 @@
-"""From a user's options to a painting job: every file is read and every input refused here, before any work."""
+"""From a user's options to a painting job: every file is read and every input refused here, before any
+work.
+"""
 
 import dataclasses
 

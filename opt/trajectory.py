@@ -12,7 +12,8 @@ from opt.wbc.base_motion import body_twist
 
 # The wheels turn towards where the base will go this much later [s].
 _LEAD = 0.6
-# Base speeds below this are not corrected: odometry might not see the correction, which would never end [m/s].
+# Base speeds below this are not corrected: odometry might not see the correction, which would never end
+# [m/s].
 _WORTH_MEASURING = 0.01
 
 
@@ -25,7 +26,8 @@ class TrajectoryController(Controller):
 
     The arm does not make good what the base misses: that is what the whole-body controller is for.
 
-    plan: rows of 9 positions (base x, y, yaw in the map frame, arm), 9 velocities, and the pen. gain: feedback [1/s].
+    plan: rows of 9 positions (base x, y, yaw in the map frame, arm), 9 velocities, and the pen. gain:
+    feedback [1/s].
     """
 
     chain: KinematicChain

@@ -10,8 +10,8 @@ from sims.sensors import DepthNoise
 
 
 class NoisePreset(eqx.Module):
-    """odometry, depth: what disturbs them. start: standard deviation of the robot's start pose about the nominal
-    one (x, y [m], yaw [rad]); odometry starts there without error, it is where the map begins."""
+    """odometry, depth: what disturbs them. start: standard deviation of the robot's start pose about the
+    nominal one (x, y [m], yaw [rad]); odometry starts there without error, it is where the map begins."""
 
     odometry: OdometryNoise
     depth: DepthNoise
@@ -22,8 +22,8 @@ def s1_simulation() -> NoisePreset:
     """S1's Gazebo runs (table I); provisional until calibrated against its 24 mm.
 
     Dead band 5 mm/s at the rim. Over worlds: 0.3 % of travel, 0.3 % of rotation, 0.04 deg/m. Along the way:
-    0.7 mm and 0.03 deg per square root of a metre. Scrub: 0.2 mm and 0.01 deg a radian. Start: 30 mm, 30 mm, 1 deg.
-    Depth: as `DepthNoise()`, a D435.
+    0.7 mm and 0.03 deg per square root of a metre. Scrub: 0.2 mm and 0.01 deg a radian. Start: 30 mm, 30 mm,
+    1 deg. Depth: as `DepthNoise()`, a D435.
     """
     return _preset([0.005, 0.003, 0.0007, 0.003, 0.0007, 0.0005, 0.0002, 0.00017], [0.03, 0.03, 0.0175])
 

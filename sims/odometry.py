@@ -53,7 +53,8 @@ def true_motion(
     shock: Float[Array, "3"],
     dt: Float[Array, ""],
 ) -> Float[Array, "3"]:
-    """Displacement in the base frame (x, y [m], yaw [rad]) in one step of a twist that wheels without slip make.
+    """Displacement in the base frame (x, y [m], yaw [rad]) in one step of a twist that wheels without slip
+    make.
 
     turned: mean angle that the modules turned in the step [rad]. shock: standard normal numbers.
     """

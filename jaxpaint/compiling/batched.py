@@ -13,8 +13,8 @@ from jaxpaint.compiling.batch_last import batch_last
 from jaxpaint.compiling.rules import Value, spread
 
 # XLA deletes barriers before it fuses (`cse_barrier_expander`), and splits large operations over a thread
-# pool in a way that can hang for good (`cpu-parallel-task-assigner`); devices are our parallelism. Small loops it
-# moves into code that knows no barriers (`small-while-loop-hoisting`) and refuses to compile.
+# pool in a way that can hang for good (`cpu-parallel-task-assigner`); devices are our parallelism. Small
+# loops it moves into code that knows no barriers (`small-while-loop-hoisting`) and refuses to compile.
 CPU_OPTIONS = {
     "xla_disable_hlo_passes": "cse_barrier_expander,cpu-parallel-task-assigner,small-while-loop-hoisting"
 }

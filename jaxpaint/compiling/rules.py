@@ -19,17 +19,93 @@ class Value(NamedTuple):
 
 Rule = Callable[[core.JaxprEqn, list[Value], int], list[Value]]
 
-_ELEMENTWISE = (
-    "abs acos acosh add add_any and asin asinh atan atan2 atanh cbrt ceil clamp convert_element_type copy "
-    "copy_p cos cosh div eq erf erf_inv erfc exp exp2 expm1 floor ge gt imag integer_pow is_finite le lgamma "
-    "log log1p logistic lt max min mul ne neg nextafter not or population_count pow real rem round rsqrt "
-    "select_n shift_left shift_right_arithmetic shift_right_logical sign sin sinh sqrt square stop_gradient "
-    "sub tan tanh xor reduce_precision"
-).split()
-_SAME_AXES = (
-    "reduce_sum reduce_max reduce_min reduce_prod reduce_and reduce_or argmax argmin squeeze rev "
-    "cumsum cumprod cummax cummin cumlogsumexp"
-).split()
+_ELEMENTWISE = [
+    "abs",
+    "acos",
+    "acosh",
+    "add",
+    "add_any",
+    "and",
+    "asin",
+    "asinh",
+    "atan",
+    "atan2",
+    "atanh",
+    "cbrt",
+    "ceil",
+    "clamp",
+    "convert_element_type",
+    "copy",
+    "copy_p",
+    "cos",
+    "cosh",
+    "div",
+    "eq",
+    "erf",
+    "erf_inv",
+    "erfc",
+    "exp",
+    "exp2",
+    "expm1",
+    "floor",
+    "ge",
+    "gt",
+    "imag",
+    "integer_pow",
+    "is_finite",
+    "le",
+    "lgamma",
+    "log",
+    "log1p",
+    "logistic",
+    "lt",
+    "max",
+    "min",
+    "mul",
+    "ne",
+    "neg",
+    "nextafter",
+    "not",
+    "or",
+    "population_count",
+    "pow",
+    "real",
+    "rem",
+    "round",
+    "rsqrt",
+    "select_n",
+    "shift_left",
+    "shift_right_arithmetic",
+    "shift_right_logical",
+    "sign",
+    "sin",
+    "sinh",
+    "sqrt",
+    "square",
+    "stop_gradient",
+    "sub",
+    "tan",
+    "tanh",
+    "xor",
+    "reduce_precision",
+]
+_SAME_AXES = [
+    "reduce_sum",
+    "reduce_max",
+    "reduce_min",
+    "reduce_prod",
+    "reduce_and",
+    "reduce_or",
+    "argmax",
+    "argmin",
+    "squeeze",
+    "rev",
+    "cumsum",
+    "cumprod",
+    "cummax",
+    "cummin",
+    "cumlogsumexp",
+]
 # Products up to this many multiplications per world are sums along small axes, which vectorise over the
 # worlds; larger ones go to the library.
 _SMALL_PRODUCT = 4096
@@ -100,7 +176,9 @@ def _dynamic_slice(equation: core.JaxprEqn, inputs: list[Value], worlds: int) ->
 
 
 def _slice_by_world(operand: Value, starts: list[Value], equation: core.JaxprEqn, worlds: int) -> jax.Array:
-    """A slice that begins elsewhere in each world, gathered where it lies: JAX's rule would transpose it all."""
+    """A slice that begins elsewhere in each world, gathered where it lies: JAX's rule would transpose it
+    all.
+    """
     shape, sizes = equation.invars[0].aval.shape, equation.params["slice_sizes"]  # type: ignore[attr-defined]
     whole, rank = spread(operand, shape, worlds), len(shape)
     limits = [size - part for size, part in zip(shape, sizes, strict=True)]

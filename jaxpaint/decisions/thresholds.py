@@ -8,8 +8,8 @@ from jaxtyping import Array, Float
 class Thresholds(eqx.Module):
     """What decides between motions, with a temperature for each decision.
 
-    At temperature 0 a decision is the hard rule, which alone is scored; above 0 it is a smooth relaxation that
-    has gradients. Every leaf is traced: a sweep over any of them compiles once.
+    At temperature 0 a decision is the hard rule, which alone is scored; above 0 it is a smooth relaxation
+    that has gradients. Every leaf is traced: a sweep over any of them compiles once.
 
     halt_travel: Theta of S1-(13), base travel after which the base halts [m]; infinity never halts.
     dwell: least time that a halted base stays halted [s].

@@ -14,7 +14,9 @@ _USUAL = 0.05
 
 @dataclasses.dataclass(frozen=True)
 class Profile:
-    """The wall's outline at the height of the canvas: points (x, y) in the map frame, from left to right [m]."""
+    """The wall's outline at the height of the canvas: points (x, y) in the map frame, from left to right
+    [m].
+    """
 
     points: Float[np.ndarray, "n 2"]
 
@@ -29,7 +31,8 @@ class Profile:
         return float(self.arc[-1])
 
     def at(self, way: float, window: float) -> tuple[Float[np.ndarray, "2"], float]:
-        """The point at `way` (beyond the ends along the last direction), and the heading into the wall there [rad].
+        """The point at `way` (beyond the ends along the last direction), and the heading into the wall there
+        [rad].
 
         The heading is that of the chord over `window` [m], so that neither noise nor an edge turns it.
         """
@@ -50,7 +53,8 @@ def wall_profile(
 ) -> Profile:
     """The outline behind a canvas of `width` [m] at `center`, with rays along `yaw`.
 
-    echoes: lidar echoes (x, y) in the map frame, NaN for none. Each bin across the canvas takes the median depth of
+    echoes: lidar echoes (x, y) in the map frame, NaN for none. Each bin across the canvas takes the median
+    depth of
     its echoes; clutter before the canvas is not the wall. Bins without echoes take their neighbours'.
     """
     ray = np.array([np.cos(yaw), np.sin(yaw)])

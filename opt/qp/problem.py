@@ -9,7 +9,8 @@ from jaxtyping import Array, Bool, Float, Int
 
 
 class QuadraticProgram(eqx.Module):
-    """min over x, s of 1/2 x'Mx + c'x + 1/2 s'Ls  subject to  Jx + s = v,  lower <= x <= upper: S1-(10), (11).
+    """min over x, s of 1/2 x'Mx + c'x + 1/2 s'Ls  subject to  Jx + s = v,  lower <= x <= upper: S1-(10),
+    (11).
 
     `s` is the slack on the task rows of S1's reference [26]; it makes every program with ordered bounds
     feasible. It is eliminated in closed form, s = -y / L with the rows' multiplier y, and costs nothing.

@@ -100,7 +100,8 @@ def stretch(
 ) -> Float[Array, ""]:
     """How far the brush is from its best place before the arm [m]: the reach margin's measure.
 
-    base: (x, y, yaw). brush: (x, y) [m], heading: yaw of its axis [rad]. home: the best place in the base frame.
+    base: (x, y, yaw). brush: (x, y) [m], heading: yaw of its axis [rad]. home: the best place in the base
+    frame.
     """
     ahead = body_twist(jnp.stack([brush[0] - base[0], brush[1] - base[1], heading]), base[2])
     turn = wrap(heading - base[2]) * lever

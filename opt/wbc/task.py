@@ -11,7 +11,8 @@ from opt.wbc.settings import ControllerSettings
 class Reference(NamedTuple):
     """Where the brush should be now, in the map frame, and how it moves there.
 
-    position [m], rotation (columns are the brush's axes), velocity [m/s], angular_velocity [rad/s], pen (1 down).
+    position [m], rotation (columns are the brush's axes), velocity [m/s], angular_velocity [rad/s], pen (1
+    down).
     """
 
     position: Float[Array, "3"]

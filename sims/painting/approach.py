@@ -19,12 +19,15 @@ from sims.painting.scan import joint_plan
 from sims.worlds import World
 
 _STARTS = 6
-# The spin about the brush is free, as for the whole-body controller; a little weight keeps the camera upright.
+# The spin about the brush is free, as for the whole-body controller; a little weight keeps the camera
+# upright.
 _SPIN = 0.3
 
 
 class Approach(NamedTuple):
-    """The motion to the first stroke, whether it can be reached, and the least gap to the scanned surface [m]."""
+    """The motion to the first stroke, whether it can be reached, and the least gap to the scanned surface
+    [m].
+    """
 
     plan: JointPlan
     reachable: Bool[Array, ""]
@@ -34,7 +37,8 @@ class Approach(NamedTuple):
 def plan_approach(job: Job, world: World, row: Float[Array, "19"], station: Float[Array, "3"]):
     """Trajectory from the world's present (believed) posture to the brush pose of `row`.
 
-    The base stays where it is if the first stroke is within the release margin there, else it drives to `station`.
+    The base stays where it is if the first stroke is within the release margin there, else it drives to
+    `station`.
     """
     axis = row[5:12:3]
     heading = jnp.arctan2(axis[1], axis[0])

@@ -28,7 +28,9 @@ _TRAJECTORY_GAIN = 2.0
 
 
 class JointPlan(NamedTuple):
-    """Rows of 9 positions, 9 velocities and the pen every `step` [s], from `origin` [s]; and the duration [s]."""
+    """Rows of 9 positions, 9 velocities and the pen every `step` [s], from `origin` [s]; and the duration
+    [s].
+    """
 
     rows: Float[Array, "t 19"]
     step: Float[Array, ""]
@@ -145,7 +147,9 @@ def drive(
 
 
 def _window(plan: JointPlan | BrushPlan, rows: np.ndarray, clock: np.ndarray) -> JointPlan | BrushPlan:
-    """The plan with only those rows that the next block can need: moving all of them costs more than the block."""
+    """The plan with only those rows that the next block can need: moving all of them costs more than the
+    block.
+    """
     step = np.asarray(plan.step)
     first = np.clip(np.floor(np.nan_to_num(clock) / step).astype(int) - 1, 0, max(rows.shape[1] - 2, 0))
     index = np.minimum(first[:, None] + np.arange(_WINDOW), rows.shape[1] - 1)

@@ -29,7 +29,9 @@ class Truth(NamedTuple):
 
 
 class Laid(NamedTuple):
-    """Film thickness on the grid [m], volume past it [m^3], brush centre on the wall (u, v) [m], and tracking."""
+    """Film thickness on the grid [m], volume past it [m^3], brush centre on the wall (u, v) [m], and
+    tracking.
+    """
 
     thickness: Float[Array, "worlds rows columns"]
     stray: Float[Array, " worlds"]
@@ -105,6 +107,8 @@ def _padded(rows: np.ndarray, length: int) -> np.ndarray:
 
 
 def completed_and_fault(driven: Driven) -> tuple[np.ndarray, Bool[np.ndarray, " worlds"]]:
-    """Which worlds came to the end of their plan, and which did not because their programs had no solution."""
+    """Which worlds came to the end of their plan, and which did not because their programs had no
+    solution.
+    """
     steps = np.maximum(np.asarray(driven.state.steps), 1)
     return driven.completed, ~driven.completed & (np.asarray(driven.state.faults) > 0.01 * steps)

@@ -1,4 +1,6 @@
-"""Waypoints for base and arm as a plan on one clock, with a rest at each (the trajectory controller's part)."""
+"""Waypoints for base and arm as a plan on one clock, with a rest at each (the trajectory controller's
+part).
+"""
 
 import jax
 import jax.numpy as jnp

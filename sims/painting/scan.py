@@ -28,8 +28,8 @@ _STARTS = 6
 
 
 class ScanPlan(NamedTuple):
-    """The motion through all viewpoints: its plan, when the camera looks [s], whether every view can be reached,
-    and the least gap between the body and the lidar's echoes on the way [m]."""
+    """The motion through all viewpoints: its plan, when the camera looks [s], whether every view can be
+    reached, and the least gap between the body and the lidar's echoes on the way [m]."""
 
     plan: JointPlan
     look: Float[Array, " views"]
@@ -93,7 +93,9 @@ def time_scan(job: Job, waypoints: Float[Array, "w 9"]):
     )
 
     def from_echoes(p):
-        """Walls are upright, so an echo behind the canvas stands for all heights; clutter for its own and below."""
+        """Walls are upright, so an echo behind the canvas stands for all heights; clutter for its own and
+        below.
+        """
         there = known & (wall | (p[2] < lidar + _CLUTTER))
         return jnp.sqrt(jnp.where(there, ((job.echoes - p[:2]) ** 2).sum(-1), 1e6).min())
 
@@ -171,7 +173,9 @@ _SEE = one_by_one(_see, in_axes=(None, 0, 0))
 
 
 def see(job: Job, scan: ScanPlan, driven: Driven, index: np.ndarray):
-    """Clouds [worlds, points, 3] and which points are real, from where the robot truly stood when it looked."""
+    """Clouds [worlds, points, 3] and which points are real, from where the robot truly stood when it
+    looked.
+    """
     record = driven.record
     reached = record.clock[:, None] >= np.asarray(scan.look)[..., None]
     row = np.where(reached.any(-1), reached.argmax(-1), record.clock.shape[1] - 1)[..., None]

@@ -22,8 +22,8 @@ def chamfer_to_chart(
 ) -> Chamfer:
     """S1-(1) between the cloud over a rectangle of (u, v) and the true surface there, densely sampled.
 
-    From cloud to surface the distance is exact, by the chart: the limit of ever denser truth. From surface to cloud
-    it is that of an even sample, and contains the cloud's own spacing. Conventions as `chamfer`.
+    From cloud to surface the distance is exact, by the chart: the limit of ever denser truth. From surface
+    to cloud it is that of an even sample, and contains the cloud's own spacing. Conventions as `chamfer`.
     """
     uv, height = jax.vmap(chart.to_uv)(cloud)
     inside = valid & (uv >= lower).all(-1) & (uv <= upper).all(-1) & jax.vmap(chart.on_surface)(uv)

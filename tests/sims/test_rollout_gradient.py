@@ -42,7 +42,9 @@ def circle(brush, steps):
 
 
 def controller(limits, rows, base, parameters):
-    """parameters: logarithms of the scales of gain, arm effort, base effort, manipulability, follow; and of speed."""
+    """parameters: logarithms of the scales of gain, arm effort, base effort, manipulability, follow; and
+    of speed.
+    """
     scale = jnp.exp(parameters)
     settings = doubles(default_settings())
     settings = eqx.tree_at(
@@ -68,14 +70,15 @@ def controller(limits, rows, base, parameters):
         default_thresholds(release_margin=0.0, halt_temperature=0.05, release_temperature=0.05)
     )
     step, far = jnp.asarray(DT), base + jnp.asarray([0.0, 0.3, 0.0])
-    return WholeBodyController(
-        limits, settings, thresholds, Samples(rows, step, 0 * step), Samples(far[None], step, 0 * step), jnp.asarray(0.03), scale[5],
-        jnp.asarray(10.0),
-    )  # fmt: skip
+    reference, stations = Samples(rows, step, 0 * step), Samples(far[None], step, 0 * step)
+    speed, duration = jnp.asarray(0.03), jnp.asarray(10.0)
+    return WholeBodyController(limits, settings, thresholds, reference, stations, speed, scale[5], duration)
 
 
 def loss(limits, noise, rows, arm, parameters):
-    """Mean squared distance of the true brush from the plan [mm^2], from a start that is off by millimetres."""
+    """Mean squared distance of the true brush from the plan [mm^2], from a start that is off by
+    millimetres.
+    """
     base, one = jnp.zeros(3), jnp.ones(())
     follow = controller(limits, rows, base, parameters)
     world = standing(base, arm, Slip(1.01 * one, one, 0.01 * one), 4)

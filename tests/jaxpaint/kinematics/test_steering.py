@@ -55,27 +55,19 @@ def test_wrap():
 
 
 def test_printed_matrix_fits_no_signs():
-    """S1-(9): a wheel without slip would have row 2 . twist = 0 for the steering it needs; no choice of signs does.
+    """S1-(9) for a wheel that rolls as it points: row 1 must give its speed over r, and row 2 no turning.
 
-    Row 1 must be the rolling speed over r; row 2, for a steered wheel at rest in its steering (phi' = 0), must
-    vanish. With l -> the printed entries, signs of its six terms are tried.
+    Whatever signs the printed terms are given, no choice does both.
     """
-    r, l, a, b = 0.1, 0.05, 0.28, 0.22
-    twist = np.array([0.3, -0.2, 0.4])
-    v = np.asarray(contact_velocity(geometry(((a, b),) * 4), jnp.asarray(twist)))[0]
-    phi = np.arctan2(v[1], v[0])
-    c, s = np.cos(phi), np.sin(phi)
+    r, link, a, b = 0.1, 0.05, 0.28, 0.22
+    vx, vy, w = 0.3, -0.2, 0.4
+    v = np.asarray(contact_velocity(geometry(((a, b),) * 4), jnp.asarray([vx, vy, w])))[0]
+    c, s = np.cos(np.arctan2(v[1], v[0])), np.sin(np.arctan2(v[1], v[0]))
     fits = 0
-    for signs in itertools.product([1, -1], repeat=4):
-        rolling = (
-            signs[0] * l * c * twist[0]
-            + signs[1] * l * s * twist[1]
-            + (signs[2] * a * l * s + signs[3] * b * l * c) * twist[2]
-        ) / (r * l)
-        turning = (
-            signs[0] * r * s * twist[0]
-            + signs[1] * r * c * twist[1]
-            + (l * r + signs[2] * b * r * s + signs[3] * a * r * c) * twist[2]
-        ) / (r * l)
+    for i, j, k, m in itertools.product([1, -1], repeat=4):
+        rolling = (i * c * vx + j * s * vy + (k * a * s + m * b * c) * w) / r
+        turning = (i * r * s * vx + j * r * c * vy + (link * r + k * b * r * s + m * a * r * c) * w) / (
+            r * link
+        )
         fits += abs(rolling - np.hypot(*v) / r) < 1e-6 and abs(turning) < 1e-6
     assert fits == 0

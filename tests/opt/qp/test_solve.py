@@ -77,6 +77,7 @@ def test_gradients_agree_with_differences_and_forward_with_reverse(x64, smoothin
         jnp.sum(a * b) for a, b in zip(jax.tree.leaves(gradient), jax.tree.leaves(tangent), strict=True)
     )
     h = 1e-6
-    ahead, behind = (value(jax.tree.map(lambda x, t: x + s * h * t, one, tangent)) for s in (1, -1))
+    ahead = value(jax.tree.map(lambda x, t: x + h * t, one, tangent))
+    behind = value(jax.tree.map(lambda x, t: x - h * t, one, tangent))
     np.testing.assert_allclose(reverse, forward, rtol=1e-9)
     np.testing.assert_allclose(forward, (ahead - behind) / (2 * h), rtol=1e-5)
