@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from contextlib import AbstractContextManager
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -10,6 +10,7 @@ from experiments.commands.paint_options import PaintOptions
 from experiments.commands.paint_outcome import PaintOutcome
 from experiments.paint_job import PaintTask, paint_task
 from experiments.paint_report import report_data, trajectories
+from sims.painting.decide import Chooser
 from sims.painting.mission import Mission, run_mission
 from sims.rollout import RECORD_EVERY
 from sims.scoring import PaintScore, WorldScore, score_paint_worlds, summarise, world_scores
@@ -26,7 +27,7 @@ def run(options: PaintOptions, progress: Callable[..., AbstractContextManager[An
     with progress("paint", float(len(groups))) as bar:
         for index in groups:
             mission = run_mission(
-                task.job, task.grid, index, controller=options.controller, advance=bar.advance
+                task.job, task.grid, index, controller=cast(Chooser, options.controller), advance=bar.advance
             )
             rows += score(task, mission)
             missions.append(mission if not missions else _light(mission))
@@ -54,7 +55,7 @@ def score(task: PaintTask, mission: Mission) -> list[WorldScore]:
         task.grid,
         np.array(laid.thickness),
         np.asarray(laid.uv),
-        record.live & (record.pen > 0.5),
+        np.asarray(record.live) & (np.asarray(record.pen) > 0.5),
         film=float(task.job.brush.film),
         stray=np.asarray(laid.stray),
     )

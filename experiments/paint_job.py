@@ -101,7 +101,7 @@ def _place(options: PaintOptions) -> tuple[Scene, Canvas, tuple[str, ...]]:
     """The wall, and the canvas on it."""
     file = options.captured()
     if file is None:
-        scene = make_wall(options.wall)
+        scene = make_wall(str(options.wall))
         return scene, canvas_for(scene, options.canvas_size, options.canvas_pose), ()
     cloud = read_cloud(file, scale=options.wall_scale)
     wall = captured(cloud, up=options.up, height=options.wall_height, canvas_size=options.canvas_size)

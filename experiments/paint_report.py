@@ -27,7 +27,7 @@ _SURFACE = (24, 64)
 def trajectories(task: PaintTask, mission: Mission, rows: Sequence[WorldScore]) -> dict[str, np.ndarray]:
     """Arrays of a few worlds: the median one, the worst, and the first ones."""
     worlds = np.array(_shown(rows[: len(mission.status)]))
-    record, truth = mission.driven.record, mission.truth
+    record, truth = jax.tree.map(np.asarray, mission.driven.record), mission.truth
     live = record.live[worlds]
     normal = _normals(task.job.scene.chart, np.asarray(mission.laid.uv)[worlds])
     time = np.where(live, np.arange(live.shape[1]) * float(task.job.dt) * RECORD_EVERY, np.nan)
@@ -99,7 +99,7 @@ def _on_paint_grid(task: PaintTask) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _path(task: PaintTask, mission: Mission, world: int) -> SurfacePath:
-    record, truth = mission.driven.record, mission.truth
+    record, truth = jax.tree.map(np.asarray, mission.driven.record), mission.truth
     live = record.live[world]
     normal = -truth.axis[world][live]
     return SurfacePath(
@@ -130,7 +130,7 @@ def _normals(chart: AbstractChart, uv: np.ndarray) -> np.ndarray:
 
 def _tracking(task: PaintTask, mission: Mission) -> TrackingError:
     """Quantiles over worlds of the distance from the plan, pen up included."""
-    record = mission.driven.record
+    record = jax.tree.map(np.asarray, mission.driven.record)
     live = record.live
     longest = int(max(live.any(axis=0).sum(), 1))
     error = np.linalg.norm(mission.truth.position - record.planned, axis=-1)

@@ -4,6 +4,7 @@ import abc
 from typing import NamedTuple
 
 import equinox as eqx
+import numpy as np
 from jaxtyping import Array, Float, Int, PyTree
 
 
@@ -48,7 +49,7 @@ class Decision(NamedTuple):
 class Controller(eqx.Module):
     """Follows a plan on the plan's own clock."""
 
-    duration: eqx.AbstractVar[Float[Array, ""]]
+    duration: eqx.AbstractVar[Float[Array | np.ndarray, ""]]
 
     @abc.abstractmethod
     def initial(self, measured: Measured) -> PyTree:

@@ -2,6 +2,7 @@
 
 import equinox as eqx
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float
 
 from jaxpaint.kinematics.chain import KinematicChain, forward
@@ -33,7 +34,7 @@ class TrajectoryController(Controller):
     chain: KinematicChain
     plan: Samples
     gain: Float[Array, ""]
-    duration: Float[Array, ""]
+    duration: Float[Array | np.ndarray, ""]
 
     def initial(self, measured: Measured) -> TrajectoryMemory:
         """Nothing to remember."""

@@ -20,7 +20,7 @@ def drive(
     wheels: Wheels,
     twist: Float[Array, "3"],
     steer_twist: Float[Array, "3"],
-    acceleration: Float[Array, ""],
+    acceleration: float | Float[Array, ""],
     dt: Float[Array, ""],
 ) -> Wheels:
     """Wheels after one control step.

@@ -29,6 +29,9 @@ class Batched:
     compilation took. Both stay as they are when only values change.
     """
 
+    spent_s = 0.0
+    """Seconds that all programs together took to trace and compile in this process."""
+
     def __init__(self, function: Callable, in_axes: tuple[int | None, ...], chunk: int, dense: bool):
         self._function, self._in_axes, self._chunk, self._dense = function, in_axes, chunk, dense
         self._programs: dict[Any, Callable] = {}
@@ -60,11 +63,13 @@ class Batched:
         )
 
     def _program(self, flat, tree, axes, per_device, mesh) -> Callable:
-        key = (tree, axes, tuple((x.shape, x.dtype) for x in flat), jax.config.jax_enable_x64)
+        key = (tree, axes, tuple((x.shape, x.dtype) for x in flat), jax.config.read("jax_enable_x64"))
         if key not in self._programs:
             start = time.perf_counter()
             self._programs[key] = self._compile(flat, tree, axes, per_device, mesh)
-            self.compile_s += time.perf_counter() - start
+            seconds = time.perf_counter() - start
+            self.compile_s += seconds
+            Batched.spent_s += seconds
         return self._programs[key]
 
     def _compile(self, flat, tree, axes, per_device, mesh) -> Callable:
@@ -77,7 +82,7 @@ class Batched:
             body, mesh=mesh, in_specs=specs, out_specs=PartitionSpec("worlds"), check_vma=False
         )
         on_cpu = jax.default_backend() == "cpu"
-        options = (_DENSE_OPTIONS if self._dense else CPU_OPTIONS) if on_cpu else None
+        options: Any = (_DENSE_OPTIONS if self._dense else CPU_OPTIONS) if on_cpu else None
         return jax.jit(shards).lower(*flat).compile(compiler_options=options)
 
     def _on_one_device(self, leaves, tree, axes, per_device):

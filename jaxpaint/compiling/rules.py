@@ -147,7 +147,8 @@ def _transpose(equation: core.JaxprEqn, inputs: list[Value], worlds: int) -> lis
 
 
 def _concatenate(equation: core.JaxprEqn, inputs: list[Value], worlds: int) -> list[Value]:
-    arrays = [spread(v, atom.aval.shape, worlds) for v, atom in zip(inputs, equation.invars, strict=True)]
+    shapes = [atom.aval.shape for atom in equation.invars]  # type: ignore[attr-defined]
+    arrays = [spread(v, shape, worlds) for v, shape in zip(inputs, shapes, strict=True)]
     return [Value(lax.concatenate(arrays, equation.params["dimension"]), True)]
 
 

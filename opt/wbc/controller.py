@@ -2,6 +2,7 @@
 
 import equinox as eqx
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float
 
 from jaxpaint.decisions.halting import HaltState, initial_halt
@@ -63,7 +64,7 @@ class WholeBodyController(Controller):
     stations: Samples
     speed: Float[Array, ""]
     pace: Float[Array, ""]
-    duration: Float[Array, ""]
+    duration: Float[Array | np.ndarray, ""]
 
     def initial(self, measured: Measured) -> Memory:
         """A controller at rest."""

@@ -15,11 +15,12 @@ _LARGEST_SPREAD = 0.2
 class Brush(Applicator):
     """A round bristle brush whose free tips would stand `compression` deep in the wall when held as planned.
 
-    radius: of the contact at nominal compression [m]. compression: nominal [m], of about 25 mm of bristle;
+    radius: of the contact at nominal compression [m]. compression: nominal [m], of about 25 mm of bristle:
+        what a drifting robot may be off along the normal before it loses the wall;
         contact is lost where the tip is lifted by more than this.
     spread: growth of the contact's radius per metre of further compression [1]; bent bristles splay.
     softness: width of the rim beyond the radius over which the pressure falls to zero [m]. Splayed outer
-        bristles lift off gradually: half of the nominal compression. At 20 % of the film as the limit of
+        bristles lift off gradually. At 20 % of the film as the limit of
         "painted", the default wets 1.3 mm beyond the radius.
     touch: compression over which the bristles take up contact [m].
     film: thickness that one pass at the nominal speed leaves on the centre-line [m].
@@ -30,7 +31,7 @@ class Brush(Applicator):
     """
 
     radius: Float[Array, ""] = eqx.field(converter=scalar, default=0.010)
-    compression: Float[Array, ""] = eqx.field(converter=scalar, default=0.006)
+    compression: Float[Array, ""] = eqx.field(converter=scalar, default=0.010)
     spread: Float[Array, ""] = eqx.field(converter=scalar, default=0.5)
     softness: Float[Array, ""] = eqx.field(converter=scalar, default=0.003)
     touch: Float[Array, ""] = eqx.field(converter=scalar, default=0.002)

@@ -27,27 +27,31 @@ _PATIENCE = 1.5
 _TRAJECTORY_GAIN = 2.0
 
 
+# Plans are cut on the host and followed on the devices.
+Rows = Array | np.ndarray
+
+
 class JointPlan(NamedTuple):
     """Rows of 9 positions, 9 velocities and the pen every `step` [s], from `origin` [s]; and the duration
     [s].
     """
 
-    rows: Float[Array, "t 19"]
-    step: Float[Array, ""]
-    origin: Float[Array, ""]
-    duration: Float[Array, ""]
+    rows: Float[Rows, "t 19"]
+    step: Float[Rows, ""]
+    origin: Float[Rows, ""]
+    duration: Float[Rows, ""]
 
 
 class BrushPlan(NamedTuple):
     """Rows of `opt.wbc.Reference` every `step` [s] from `origin` [s], base stations every `station_step` [s],
     and the duration [s]."""
 
-    rows: Float[Array, "t 19"]
-    step: Float[Array, ""]
-    origin: Float[Array, ""]
-    stations: Float[Array, "s 3"]
-    station_step: Float[Array, ""]
-    duration: Float[Array, ""]
+    rows: Float[Rows, "t 19"]
+    step: Float[Rows, ""]
+    origin: Float[Rows, ""]
+    stations: Float[Rows, "s 3"]
+    station_step: Float[Rows, ""]
+    duration: Float[Rows, ""]
 
 
 class Driven(NamedTuple):
@@ -64,9 +68,8 @@ class Driven(NamedTuple):
 
 def _trajectory(job: Job, plan: JointPlan) -> TrajectoryController:
     gain = jnp.asarray(_TRAJECTORY_GAIN, plan.rows.dtype)
-    return TrajectoryController(
-        job.robot.chain, Samples(plan.rows, plan.step, plan.origin), gain, plan.duration
-    )
+    samples = Samples(plan.rows, plan.step, plan.origin)
+    return TrajectoryController(chain=job.robot.chain, plan=samples, gain=gain, duration=plan.duration)
 
 
 def _whole_body(job: Job, plan: BrushPlan) -> WholeBodyController:
@@ -156,8 +159,3 @@ def _window(plan: JointPlan | BrushPlan, rows: np.ndarray, clock: np.ndarray) ->
     return plan._replace(
         rows=np.take_along_axis(rows, index[..., None], axis=1), origin=(first * step).astype(step.dtype)
     )
-
-
-def compile_seconds() -> float:
-    """Seconds that compiling the programs of this module took so far."""
-    return sum(program.compile_s for program in [*_START.values(), *_BLOCKS.values()])

@@ -48,7 +48,7 @@ class Job(eqx.Module):
     dt: Float[Array, ""]
     seed: UInt32[Array, "2"]
 
-    def key(self, world: Int[Array, ""], purpose: int) -> PRNGKeyArray:
+    def key(self, world: Int[Array, ""], purpose: int | Int[Array, ""]) -> PRNGKeyArray:
         """A world's random numbers for one purpose: they depend on its index, not on who runs beside it."""
         key = jax.random.fold_in(jax.random.wrap_key_data(self.seed), world)
         return jax.random.fold_in(key, purpose)

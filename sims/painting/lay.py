@@ -67,7 +67,7 @@ def true_brush(job: Job, driven: Driven) -> Truth:
 
 def _lay(layer: _Layer, log: Log):
     """One world: paint on the wall, and the tally of its tracking."""
-    velocity = jnp.gradient(log.brush, axis=0) / layer.period
+    velocity = jnp.asarray(jnp.gradient(log.brush, axis=0)) / layer.period
     time = jnp.where(log.live, layer.period, 0.0)
     contacts = jax.vmap(lambda *row: contact(layer.chart, *row))(log.brush, log.axis, velocity, time, log.pen)
     paint = deposit(Paint.bare(layer.grid), layer.brush, layer.grid, contacts, window=layer.window)
@@ -83,8 +83,8 @@ def lay(job: Job, grid: PaintGrid, driven: Driven, truth: Truth) -> Laid:
     record = driven.record
     log = Log(
         planned=record.planned,
-        brush=truth.position,
-        axis=truth.axis,
+        brush=jnp.asarray(truth.position),
+        axis=jnp.asarray(truth.axis),
         pen=record.pen,
         live=record.live,
         odometry=record.odometry,

@@ -176,7 +176,7 @@ def see(job: Job, scan: ScanPlan, driven: Driven, index: np.ndarray):
     """Clouds [worlds, points, 3] and which points are real, from where the robot truly stood when it
     looked.
     """
-    record = driven.record
+    record = jax.tree.map(np.asarray, driven.record)
     reached = record.clock[:, None] >= np.asarray(scan.look)[..., None]
     row = np.where(reached.any(-1), reached.argmax(-1), record.clock.shape[1] - 1)[..., None]
     arm = np.take_along_axis(record.arm, row, axis=1)

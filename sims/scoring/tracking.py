@@ -1,6 +1,6 @@
 """How well one world followed its plan, and how it ended."""
 
-from typing import Self
+from typing import Any, Self
 
 import equinox as eqx
 import jax
@@ -41,7 +41,7 @@ class Tally(eqx.Module):
     finite: Bool[Array, ""]
 
     @classmethod
-    def zero(cls, dtype=float) -> Self:
+    def zero(cls, dtype: Any = float) -> Self:
         """Nothing seen yet."""
         none, count = jnp.zeros((), dtype), jnp.zeros((), jnp.int32)
         return cls(

@@ -31,7 +31,8 @@ def chamfer_to_chart(
     places = jnp.where(valid[:, None], cloud, 1e3).T
 
     def nearest(samples):
-        return sum((samples[:, axis, None] - places[axis][None]) ** 2 for axis in range(3)).min(1)
+        squares = [(samples[:, axis, None] - places[axis][None]) ** 2 for axis in range(3)]
+        return (squares[0] + squares[1] + squares[2]).min(1)
 
     back = jax.lax.map(nearest, truth.reshape(-1, _BLOCK, 3)).reshape(-1)
     count = jnp.maximum(inside.sum(), 1)

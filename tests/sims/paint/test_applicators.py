@@ -56,7 +56,7 @@ def test_brush_is_flat_inside_and_ends_at_its_reach():
 
 
 def test_brush_loses_contact_when_lifted_by_its_compression():
-    brush = Brush()
+    brush = Brush(compression=0.006)
     middle = [float(across(brush, pressed(h), [0.0])[0]) for h in (-0.004, 0.0, 0.0045, 0.0055, 0.0061)]
     assert middle[0] == middle[1] > middle[2] > middle[3] > middle[4] == 0
 
@@ -70,7 +70,7 @@ def test_contact_grows_with_pressure_within_the_ferrule():
 
 
 def test_leaning_brush_lifts_the_side_it_leans_to():
-    brush = Brush()
+    brush = Brush(compression=0.006)
     far, near = across(brush, pressed(lean=(0.6, 0.0)), [0.0085, -0.0085])
     assert far < 0.9 * near
     upright = across(brush, pressed(), [0.0105])
