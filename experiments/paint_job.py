@@ -1,6 +1,4 @@
-"""From a user's options to a painting job: every file is read and every input refused here, before any
-work.
-"""
+"""From a user's options to a painting job: files are read and bad input refused before any work."""
 
 import dataclasses
 

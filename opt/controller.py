@@ -9,8 +9,8 @@ from jaxtyping import Array, Float, Int, PyTree
 
 
 class Measured(NamedTuple):
-    """What the robot knows of itself: base pose by odometry (x, y, yaw), arm encoders [rad], steering
-    angles [rad].
+    """What the robot knows of itself: base pose by odometry (x, y, yaw), arm encoders [rad], steering angles
+    [rad].
     """
 
     base: Float[Array, "3"]

@@ -15,9 +15,7 @@ class Samples(eqx.Module):
     origin: Float[Array | np.ndarray, ""]
 
     def at(self, clock: Float[Array, ""]) -> Float[Array, "k"]:
-        """The row at `clock`, between neighbours by straight lines; the first and the last row hold for
-        ever.
-        """
+        """The row at `clock`, between neighbours by straight lines; first and last row hold for ever."""
         last = self.rows.shape[0] - 1
         place = jnp.clip((clock - self.origin) / self.step, 0, last)
         index = jnp.clip(jnp.floor(place), 0, max(last - 1, 0))

@@ -11,7 +11,8 @@ from sims.sensors import DepthNoise
 
 class NoisePreset(eqx.Module):
     """odometry, depth: what disturbs them. start: standard deviation of the robot's start pose about the
-    nominal one (x, y [m], yaw [rad]); odometry starts there without error, it is where the map begins."""
+    nominal one (x, y [m], yaw [rad]); odometry starts there without error, it is where the map begins.
+    """
 
     odometry: OdometryNoise
     depth: DepthNoise

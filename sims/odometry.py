@@ -14,7 +14,8 @@ class OdometryNoise(eqx.Module):
     """dead_band: rim speed below which zero is reported [m/s]. slip: standard deviation over worlds of the
     share of travel that is lost or gained [-]. curve: of the yaw per travel [rad/m]. turn: of the share of
     rotation lost or gained [-]. walk [m/sqrt(m)], yaw_walk [rad/sqrt(m)]: random walk along the way. scrub
-    [m/rad], yaw_scrub [rad/rad]: random motion for each radian that the loaded modules turn."""
+    [m/rad], yaw_scrub [rad/rad]: random motion for each radian that the loaded modules turn.
+    """
 
     dead_band: Float[Array, ""]
     slip: Float[Array, ""]

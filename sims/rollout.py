@@ -18,7 +18,8 @@ RECORD_EVERY = 4
 
 class RolloutState(eqx.Module):
     """Between blocks. clock: of the plan [s]. steps: control steps while live. faults: steps whose program
-    was not solved. diverged_at: control step at which a number stopped being finite, -1 while none did."""
+    was not solved. diverged_at: control step at which a number stopped being finite, -1 while none did.
+    """
 
     world: World
     memory: PyTree

@@ -16,7 +16,8 @@ _RIM_ACCELERATION = 2.0
 
 class World(eqx.Module):
     """The truth. base: pose (x, y, yaw) in the map. arm, arm_velocity: joints. wheels: angles and rim speeds.
-    odometry: the base pose that odometry believes. slip: this world's own errors."""
+    odometry: the base pose that odometry believes. slip: this world's own errors.
+    """
 
     base: Float[Array, "3"]
     arm: Float[Array, "a"]

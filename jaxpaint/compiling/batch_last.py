@@ -1,7 +1,7 @@
 """Evaluates a one-world program with the worlds as the last axis and barriers on every shared value.
 
-Two reasons, both measured on CPUs (see docs/compiling.md). XLA's fusion re-computes a value in each of its
-consumers, which grows exponentially along kinematic chains and factorisations: an optimisation barrier on
+Two reasons, both measured on CPUs; docs/compiling.md says more. XLA's fusion re-computes a value in each of
+its consumers, which grows exponentially along kinematic chains and factorisations: an optimisation barrier on
 every value that is read more than once stops that. And a loop over worlds vectorises only if neighbours in
 memory are worlds, while `jax.vmap` moves the worlds to the front.
 """

@@ -177,9 +177,7 @@ def _dynamic_slice(equation: core.JaxprEqn, inputs: list[Value], worlds: int) ->
 
 
 def _slice_by_world(operand: Value, starts: list[Value], equation: core.JaxprEqn, worlds: int) -> jax.Array:
-    """A slice that begins elsewhere in each world, gathered where it lies: JAX's rule would transpose it
-    all.
-    """
+    """A slice that begins elsewhere in each world, gathered where it lies; JAX's rule transposes it all."""
     shape, sizes = equation.invars[0].aval.shape, equation.params["slice_sizes"]  # type: ignore[attr-defined]
     whole, rank = spread(operand, shape, worlds), len(shape)
     limits = [size - part for size, part in zip(shape, sizes, strict=True)]

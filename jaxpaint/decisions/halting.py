@@ -10,7 +10,8 @@ from jaxpaint.decisions.thresholds import Thresholds
 
 class HaltState(eqx.Module):
     """halted: 1 while the base is halted. travel: base travel since it was let go [m]. rest: time since it
-    was halted [s]. halts: how often it was halted."""
+    was halted [s]. halts: how often it was halted.
+    """
 
     halted: Float[Array, ""]
     travel: Float[Array, ""]

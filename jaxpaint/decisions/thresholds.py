@@ -11,14 +11,13 @@ class Thresholds(eqx.Module):
     At temperature 0 a decision is the hard rule, which alone is scored; above 0 it is a smooth relaxation
     that has gradients. Every leaf is traced: a sweep over any of them compiles once.
 
-    halt_travel: Theta of S1-(13), base travel after which the base halts [m]; infinity never halts.
-    dwell: least time that a halted base stays halted [s].
-    release_margin: distance of the brush from its best place before the arm at which a halted base is let go
-    again [m]; 0 lets go at once.
-    low_speed_scale: the operator S of S1-(12): the base moves at this multiple of the brush's speed or not at
-    all; 0 switches the rule off, and the base creeps after the brush.
-    variance_lower, variance_upper: the band of S1-(7) inside which poses count as independent waypoints.
-    halt_temperature [m], release_temperature [m], mode_temperature [-]: temperatures of the decisions.
+    halt_travel: Theta of S1-(13), base travel after which the base halts [m]; infinity never halts. dwell:
+    least time that a halted base stays halted [s]. release_margin: distance of the brush from its best place
+    before the arm at which a halted base is let go again [m]; 0 lets go at once. low_speed_scale: the
+    operator S of S1-(12): the base moves at this multiple of the brush's speed or not at all; 0 switches the
+    rule off, and the base creeps after the brush. variance_lower, variance_upper: the band of S1-(7) inside
+    which poses count as independent waypoints. halt_temperature [m], release_temperature [m],
+    mode_temperature [-]: temperatures of the decisions.
     """
 
     halt_travel: Float[Array, ""]

@@ -1,8 +1,8 @@
 """Four-wheel-steering kinematics (4WSK): base twist to steered, driven wheels and back.
 
 S1-(9) as printed satisfies no single set of no-slip constraints. Derived here for a wheel whose contact lies
-under its steering axis at (a, b) in the base frame (link length l = 0): the contact moves with
-(v_x - w b, v_y + w a); a wheel that does not slip points along that velocity and rolls at its magnitude.
+under its steering axis at (a, b) in the base frame (link length l = 0): the contact moves with (v_x - w b,
+v_y + w a); a wheel that does not slip points along that velocity and rolls at its magnitude.
 """
 
 import equinox as eqx
@@ -11,8 +11,9 @@ from jaxtyping import Array, Float
 
 
 class SteeringGeometry(eqx.Module):
-    """position: (a_i, b_i) of the steering axes in the base frame [m]. radius: of the wheels [m].
-    rate_limit: of the steering angles [rad/s]. speed_limit: of the wheel's rim [m/s]."""
+    """position: (a_i, b_i) of the steering axes in the base frame [m]. radius: of the wheels [m]. rate_limit:
+    of the steering angles [rad/s]. speed_limit: of the wheel's rim [m/s].
+    """
 
     position: Float[Array, "w 2"]
     radius: Float[Array, ""]

@@ -14,9 +14,7 @@ _USUAL = 0.05
 
 @dataclasses.dataclass(frozen=True)
 class Profile:
-    """The wall's outline at the height of the canvas: points (x, y) in the map frame, from left to right
-    [m].
-    """
+    """The wall's outline at the height of the canvas: (x, y) in the map frame, from left to right [m]."""
 
     points: Float[np.ndarray, "n 2"]
 
@@ -54,8 +52,8 @@ def wall_profile(
     """The outline behind a canvas of `width` [m] at `center`, with rays along `yaw`.
 
     echoes: lidar echoes (x, y) in the map frame, NaN for none. Each bin across the canvas takes the median
-    depth of
-    its echoes; clutter before the canvas is not the wall. Bins without echoes take their neighbours'.
+    depth of its echoes; clutter before the canvas is not the wall. Bins without echoes take their
+    neighbours'.
     """
     ray = np.array([np.cos(yaw), np.sin(yaw)])
     right = np.array([np.sin(yaw), -np.cos(yaw)])

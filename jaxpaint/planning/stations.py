@@ -8,7 +8,8 @@ from jaxtyping import Array, Float
 
 class StationSettings(eqx.Module):
     """horizon: how much of the path ahead a station serves [s]. clearance: least distance of the base's
-    middle from the mapped surface [m]."""
+    middle from the mapped surface [m].
+    """
 
     horizon: Float[Array, ""]
     clearance: Float[Array, ""]
@@ -27,9 +28,8 @@ def plan_stations(
     """Base pose (x, y, yaw) in the map frame at each time of a path.
 
     position, axis: brush position [m] and axis (into the wall) at equal steps of time. weight: 1 where the
-    pen is
-    down; the rest counts little. surface: points that the base must keep away from. home: brush in the base
-    frame where the arm works best (x, y) [m].
+    pen is down; the rest counts little. surface: points that the base must keep away from. home: brush in the
+    base frame where the arm works best (x, y) [m].
 
     A station serves the mean of the next `horizon` seconds: the base faces along the mean axis and has the
     mean position at `home`. Where that is too near to the surface it is pushed away, nearest point first.

@@ -16,9 +16,9 @@ _ROOM = 0.9
 class ViewpointSettings:
     """distance: of the camera from the wall [m]. aside: how far beside the base's middle line the camera is
     held, since an arm cannot look straight ahead from above its own shoulder [m]. margin: covered around the
-    canvas, for
-    normals at its rim and for drift [m]. overlap: of neighbouring pictures [m]. clearance: of the base from
-    anything on the floor [m]."""
+    canvas, for normals at its rim and for drift [m]. overlap: of neighbouring pictures [m]. clearance: of the
+    base from anything on the floor [m].
+    """
 
     distance: float = 0.70
     aside: float = 0.25
@@ -30,8 +30,8 @@ class ViewpointSettings:
 @dataclasses.dataclass(frozen=True)
 class Viewpoints:
     """camera: positions in the map frame [m], heading: of the upright cameras about z [rad], base: poses (x,
-    y, yaw)
-    from which they are reached. In the order of visiting; views from one base pose follow each other."""
+    y, yaw) from which they are reached. In the order of visiting; views from one base pose follow each other.
+    """
 
     camera: Float[np.ndarray, "views 3"]
     heading: Float[np.ndarray, " views"]
@@ -50,13 +50,10 @@ def plan_viewpoints(
     """A grid of views along the wall's outline that covers a canvas.
 
     heights: of the canvas' lower and upper rim [m]. field_of_view: width and height of the picture at
-    distance 1
-    [m]. home: brush in the base frame at the arm's best posture (x, y) [m]: the base stands so that this
-    lies on the
-    wall, or further back where its footprint (corners in its own frame [m]) would touch an echo of the lidar
-    (x, y)
-    [m]. Columns are visited from right to left, so that the robot ends where a drawing begins, each column
-    in turn up and down.
+    distance 1 [m]. home: brush in the base frame at the arm's best posture (x, y) [m]: the base stands so
+    that this lies on the wall, or further back where its footprint (corners in its own frame [m]) would touch
+    an echo of the lidar (x, y) [m]. Columns are visited from right to left, so that the robot ends where a
+    drawing begins, each column in turn up and down.
     """
     s = settings or ViewpointSettings()
     wide, high = (s.distance * x for x in field_of_view)

@@ -90,9 +90,7 @@ def residuals(problem: QuadraticProgram, point: Iterate) -> tuple[Float[Array, "
 def kkt_solve(
     jacobian: Float[Array, "m n"], weight: Float[Array, "n"], factors: ldl.LDL, right_x, right_rows
 ) -> tuple[Float[Array, "n"], Float[Array, "m"]]:
-    """Solves diag(1/weight) dx + J'dy = right_x, J dx - dy/L = right_rows by the factored Schur
-    complement.
-    """
+    """Solves diag(1/weight) dx + J'dy = right_x, J dx - dy/L = right_rows by the Schur complement."""
     weighted = weight * right_x
     dy = ldl.solve(factors, (jacobian * weighted).sum(1) - right_rows)
     return weighted - weight * (jacobian * dy[:, None]).sum(0), dy

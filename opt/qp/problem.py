@@ -15,8 +15,8 @@ class QuadraticProgram(eqx.Module):
     `s` is the slack on the task rows of S1's reference [26]; it makes every program with ordered bounds
     feasible. It is eliminated in closed form, s = -y / L with the rows' multiplier y, and costs nothing.
 
-    cost: diagonal of M, positive. linear: c. jacobian: J. target: v. slack_cost: diagonal of L, positive;
-    the larger, the more a row is an equality.
+    cost: diagonal of M, positive. linear: c. jacobian: J. target: v. slack_cost: diagonal of L, positive; the
+    larger, the more a row is an equality.
     """
 
     cost: Float[Array, "n"]
@@ -40,9 +40,9 @@ class QPStatus(IntEnum):
 class QPSolution(eqx.Module):
     """Value and statistics of one solved program.
 
-    value: x, always finite and within the bounds (between them where they contradict each other).
-    task_dual: y, the multiplier of the task rows. residual: the largest violation of the optimality
-    conditions, scaled. status: a `QPStatus`.
+    value: x, always finite and within the bounds (between them where they contradict each other). task_dual:
+    y, the multiplier of the task rows. residual: the largest violation of the optimality conditions, scaled.
+    status: a `QPStatus`.
     """
 
     value: Float[Array, "n"]

@@ -21,7 +21,8 @@ _APPROACH, _LEAST = 1.5, 0.03
 
 class BaseDemand(NamedTuple):
     """velocity: demanded base velocity in the map frame (x, y [m/s], yaw [rad/s]). gate: 1 where the base may
-    move. steer: 1 while the wheels should turn towards the demand. halt: the latch."""
+    move. steer: 1 while the wheels should turn towards the demand. halt: the latch.
+    """
 
     velocity: Float[Array, "3"]
     gate: Float[Array, ""]

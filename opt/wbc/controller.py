@@ -52,9 +52,8 @@ class WholeBodyController(Controller):
     """Follows a brush path with base and arm together.
 
     reference: rows of position, rotation by rows, velocity, angular velocity, pen, in the map frame.
-    stations:
-    base poses (x, y, yaw) for what comes next. speed: the path's nominal speed [m/s]. pace: share of the
-    planned speed at which the path is followed.
+    stations: base poses (x, y, yaw) for what comes next. speed: the path's nominal speed [m/s]. pace: share
+    of the planned speed at which the path is followed.
     """
 
     robot: RobotLimits

@@ -19,9 +19,7 @@ def speed_bounds(limit: Float[Array, "n"]) -> Bounds:
 
 
 def damped(bounds: Bounds, q: Float[Array, "n"], lower, upper, start, stop) -> Bounds:
-    """Velocity dampers: from `start` to `stop` [rad] before a joint limit the speed towards it falls to
-    zero.
-    """
+    """Velocity dampers: from `start` to `stop` [rad] before a joint limit, speed towards it falls to 0."""
     limit = bounds.upper
     to_upper = limit * (upper - q - stop) / (start - stop)
     to_lower = limit * (q - lower - stop) / (start - stop)

@@ -9,16 +9,16 @@ class ControllerSettings(eqx.Module):
     """Gains and weights; every leaf is traced.
 
     position_gain, orientation_gain: pose feedback on odometry [1/s]. slack_cost: of the task rows in the
-    brush
-    frame, three linear [s^2/m^2] and three angular [s^2/rad^2]; the last is the spin about the brush, which
-    paint does not see. arm_effort [s^2/rad^2], base_effort (x, y: [s^2/m^2]; yaw: [s^2/rad^2]): diagonal of M
-    in S1-(10). manipulability: weight of its gradient in C. base_follow: weight that draws the base to the
-    demanded velocity while the low-speed rule is on; without the rule effort and manipulability alone decide
-    how base and arm share the motion, as in S1's reference [26]. damper_start, damper_stop: distances from a
-    joint limit at which the velocity damper of S1's reference [26] begins and at
-    which no approach is left [rad]. arm_speed: share of the maker's speed limits in use. hold_error: error at
-    which the path's clock has stopped [m]; it slows from half of that. yaw_lever: metres that count like one
-    radian in base travel. qp_smoothing: see `solve_qp`.
+    brush frame, three linear [s^2/m^2] and three angular [s^2/rad^2]; the last is the spin about the brush,
+    which paint does not see. arm_effort [s^2/rad^2], base_effort (x, y: [s^2/m^2]; yaw: [s^2/rad^2]):
+    diagonal of M in S1-(10); S1's reference [26] too makes base motion far dearer than the arm's.
+    manipulability: weight of its gradient in C. base_follow: weight that draws the base to the demanded
+    velocity while the low-speed rule is on; without the rule effort and manipulability alone decide how base
+    and arm share the motion, as in S1's reference [26]. damper_start, damper_stop: distances from a joint
+    limit at which the velocity damper of S1's reference [26] begins and at which no approach is left [rad].
+    arm_speed: share of the maker's speed limits in use. hold_error: error at which the path's clock has
+    stopped [m]; it slows from half of that. yaw_lever: metres that count like one radian in base travel.
+    qp_smoothing: see `solve_qp`.
     """
 
     position_gain: Float[Array, ""]
@@ -43,7 +43,7 @@ def default_settings() -> ControllerSettings:
         "orientation_gain": 4.0,
         "slack_cost": [1e4, 1e4, 1e4, 1e3, 1e3, 1e-1],
         "arm_effort": [0.01] * 6,
-        "base_effort": [0.02, 0.02, 0.02],
+        "base_effort": [0.3, 0.3, 0.3],
         "manipulability": 0.01,
         "base_follow": 1.0,
         "damper_start": 0.5,

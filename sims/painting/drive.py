@@ -44,7 +44,8 @@ class JointPlan(NamedTuple):
 
 class BrushPlan(NamedTuple):
     """Rows of `opt.wbc.Reference` every `step` [s] from `origin` [s], base stations every `station_step` [s],
-    and the duration [s]."""
+    and the duration [s].
+    """
 
     rows: Float[Rows, "t 19"]
     step: Float[Rows, ""]

@@ -23,9 +23,8 @@ class Job(eqx.Module):
 
     picture: canvas points of the strokes in order [m], stroke: which stroke each belongs to. camera_place,
     camera_heading, camera_base: the viewpoints, see `jaxpaint.planning.Viewpoints`. echoes: what the lidar
-    saw of
-    the wall before the scan (x, y) [m], NaN for nothing. seed: key data of the job's random numbers. speed:
-    of the brush [m/s].
+    saw of the wall before the scan (x, y) [m], NaN for nothing. seed: key data of the job's random numbers.
+    speed: of the brush [m/s].
     """
 
     robot: Robot

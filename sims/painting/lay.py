@@ -107,8 +107,6 @@ def _padded(rows: np.ndarray, length: int) -> np.ndarray:
 
 
 def completed_and_fault(driven: Driven) -> tuple[np.ndarray, Bool[np.ndarray, " worlds"]]:
-    """Which worlds came to the end of their plan, and which did not because their programs had no
-    solution.
-    """
+    """Which worlds came to the end of their plan, and which did not for lack of a solution."""
     steps = np.maximum(np.asarray(driven.state.steps), 1)
     return driven.completed, ~driven.completed & (np.asarray(driven.state.faults) > 0.01 * steps)

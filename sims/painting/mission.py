@@ -62,7 +62,8 @@ def run_mission(
     disturb: Callable[[World], World] = lambda worlds: worlds,
 ) -> Mission:
     """Runs the worlds of those indices. advance: told the share of the work that was done. disturb: changes
-    the worlds before they start (tests inject failures with it)."""
+    the worlds before they start (tests inject failures with it).
+    """
     worlds = disturb(start_worlds(job, index))
     scan, driven, scan_mode = _scan(job, worlds, index, controller, advance)
     clouds = see(job, scan, driven, index)
@@ -103,9 +104,7 @@ def _scan(
 
 
 def _approach(job: Job, worlds: World, painting: Painting, index) -> tuple[Approach, Driven]:
-    """The single pose of the first stroke is an independent waypoint: the trajectory controller goes
-    there.
-    """
+    """The first stroke's pose is an independent waypoint: the trajectory controller goes there."""
     plan = approach(job, worlds, painting)
     return plan, drive(job, plan.plan, worlds, jnp.asarray(index, jnp.int32), APPROACH)
 

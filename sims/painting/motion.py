@@ -1,6 +1,4 @@
-"""Waypoints for base and arm as a plan on one clock, with a rest at each (the trajectory controller's
-part).
-"""
+"""Waypoints for base and arm as a plan on one clock, with a rest at each: for the trajectory controller."""
 
 import jax
 import jax.numpy as jnp

@@ -1,6 +1,4 @@
-"""From the scanned cloud to a plan: the picture on the surface, timed, with base stations (S1 section
-III-B).
-"""
+"""From the scanned cloud to a plan: the picture on the surface, timed, with stations (S1 III-B)."""
 
 from typing import NamedTuple
 
@@ -28,8 +26,8 @@ _SPARSE = 80
 class Painting(NamedTuple):
     """What one world is going to paint.
 
-    path: on the surface. causes: number of points by `Cause`. obstacles: sparse points of the surface (NaN
-    is no point). plan: for the whole-body controller.
+    path: on the surface. causes: number of points by `Cause`. obstacles: sparse points of the surface (NaN is
+    no point). plan: for the whole-body controller.
     """
 
     path: BrushPath

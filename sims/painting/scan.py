@@ -29,7 +29,8 @@ _STARTS = 6
 
 class ScanPlan(NamedTuple):
     """The motion through all viewpoints: its plan, when the camera looks [s], whether every view can be
-    reached, and the least gap between the body and the lidar's echoes on the way [m]."""
+    reached, and the least gap between the body and the lidar's echoes on the way [m].
+    """
 
     plan: JointPlan
     look: Float[Array, " views"]
@@ -173,9 +174,7 @@ _SEE = one_by_one(_see, in_axes=(None, 0, 0))
 
 
 def see(job: Job, scan: ScanPlan, driven: Driven, index: np.ndarray):
-    """Clouds [worlds, points, 3] and which points are real, from where the robot truly stood when it
-    looked.
-    """
+    """Clouds [worlds, points, 3] and which points are real, from where the robot truly stood as it looked."""
     record = jax.tree.map(np.asarray, driven.record)
     reached = record.clock[:, None] >= np.asarray(scan.look)[..., None]
     row = np.where(reached.any(-1), reached.argmax(-1), record.clock.shape[1] - 1)[..., None]

@@ -1,0 +1,95 @@
+"""The base's drives, its slip and its odometry."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from jaxpaint.kinematics.steering import base_twist
+from sims.driver import Wheels, drive
+from sims.limits import robot_limits
+from sims.noise import noise_preset
+from sims.odometry import Slip, draw_slip, moved, reported_speed, true_motion
+from sims.robots import load_robot
+
+DT = jnp.float32(0.02)
+
+
+@pytest.fixture(scope="module")
+def steering():
+    return robot_limits(load_robot()).steering
+
+
+@pytest.fixture(scope="module")
+def noise():
+    return noise_preset("s1-simulation").odometry
+
+
+def driven(steering, twist, steps, start=0.0):
+    wheels = Wheels(jnp.full(4, jnp.float32(start)), jnp.zeros(4))
+    step = jax.jit(lambda w: drive(steering, w, jnp.asarray(twist), jnp.asarray(twist), jnp.float32(2.0), DT))
+    seen = []
+    for _ in range(steps):
+        after = step(wheels)
+        seen.append((after.angle - wheels.angle, after.speed - wheels.speed))
+        wheels = after
+    return wheels, seen
+
+
+def test_wheels_reach_the_twist_within_their_limits(steering):
+    wheels, seen = driven(steering, [0.05, 0.08, 0.1], 100)
+    np.testing.assert_allclose(base_twist(steering, *wheels), [0.05, 0.08, 0.1], atol=1e-5)
+    turns = np.abs(np.array([t for t, _ in seen])).max()
+    assert 0 < turns <= float(steering.rate_limit * DT) * 1.001
+    assert np.abs(np.array([s for _, s in seen])).max() <= 2.0 * 0.02 * 1.001
+
+
+def test_a_module_that_points_across_does_not_push(steering):
+    wheels, _ = driven(steering, [0.1, 0.0, 0.0], 1, start=np.pi / 2)
+    assert np.abs(wheels.speed).max() < 0.01
+
+
+def test_a_twist_that_is_too_fast_is_scaled_whole(steering):
+    wheels, _ = driven(steering, [9.0, 0.0, 0.0], 200)
+    np.testing.assert_allclose(np.abs(wheels.speed), steering.speed_limit, rtol=1e-4)
+
+
+def test_creep_is_not_measured(noise):
+    speed = jnp.asarray([0.0049, -0.0049, 0.0051, -0.3])
+    np.testing.assert_allclose(reported_speed(noise, speed), [0, 0, 0.0051, -0.3], rtol=1e-6)
+
+
+def test_slip_has_the_preset_spread_and_a_perfect_base_none(noise):
+    slips = jax.vmap(lambda k: draw_slip(noise, key=k))(jax.random.split(jax.random.key(0), 2000))
+    assert float(jnp.std(slips.travel)) == pytest.approx(float(noise.slip), rel=0.1)
+    assert float(jnp.std(slips.curve)) == pytest.approx(float(noise.curve), rel=0.1)
+    perfect = noise_preset("none").odometry
+    one = jnp.float32(1)
+    twist = jnp.asarray([0.1, -0.05, 0.2])
+    motion = true_motion(perfect, Slip(one, one, 0 * one), twist, jnp.float32(0.1), jnp.ones(3), DT)
+    np.testing.assert_allclose(motion, twist * DT, rtol=1e-6)
+
+
+def test_random_walk_grows_with_the_root_of_the_way(noise):
+    one = jnp.float32(1)
+
+    def wander(key, steps):
+        shocks = jax.random.normal(key, (steps, 3))
+        motion = jax.vmap(
+            lambda s: true_motion(noise, Slip(one, one, 0 * one), jnp.asarray([0.1, 0, 0]), 0 * one, s, DT)
+        )
+        return motion(shocks)[:, 1].sum()
+
+    keys = jax.random.split(jax.random.key(1), 1500)
+    for steps in (50, 200):
+        spread = float(jnp.std(jax.vmap(lambda k, n=steps: wander(k, n))(keys)))
+        assert spread == pytest.approx(float(noise.walk) * np.sqrt(0.1 * 0.02 * steps), rel=0.1)
+
+
+def test_moves_compose_on_the_plane():
+    pose = jnp.asarray([1.0, 2.0, np.pi / 2])
+    np.testing.assert_allclose(moved(pose, jnp.asarray([0.1, 0.0, 0.0])), [1.0, 2.1, np.pi / 2], atol=1e-6)
+    around = jnp.zeros(3)
+    for _ in range(100):
+        around = moved(around, jnp.asarray([0.02 * np.pi, 0.0, 0.02 * np.pi]))
+    np.testing.assert_allclose(around[:2], 0, atol=2e-3)
