@@ -1,7 +1,19 @@
-"""Pictures: from a file to line art, and from line art to ordered strokes (S1 section III-B)."""
+"""Pictures: from a file to lines and areas of ink, and from these to ordered strokes (S1 section III-B)."""
 
-from jaxpaint.pictures.drawing import Drawing, fit
+from jaxpaint.pictures.drawing import Area, Drawing, fit
+from jaxpaint.pictures.fills import FillSettings, outlined
+from jaxpaint.pictures.ink_settings import RasterSettings
 from jaxpaint.pictures.read import read_drawing
 from jaxpaint.pictures.strokes import Strokes, plan_strokes
 
-__all__ = ["Drawing", "Strokes", "fit", "plan_strokes", "read_drawing"]
+__all__ = [
+    "Area",
+    "Drawing",
+    "FillSettings",
+    "RasterSettings",
+    "Strokes",
+    "fit",
+    "outlined",
+    "plan_strokes",
+    "read_drawing",
+]

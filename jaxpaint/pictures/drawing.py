@@ -1,4 +1,4 @@
-"""Line art as polylines, before anybody decides in which order it is painted."""
+"""A picture as lines and areas, before anybody decides how and in which order it is painted."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -9,19 +9,36 @@ from jaxtyping import Float
 from jaxpaint.errors import InputError
 
 Polyline = Float[np.ndarray, "points 2"]
+Colour = tuple[float, float, float]
+
+BLACK: Colour = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Area:
+    """Ink in one connected piece. rings: its rim and the rims of its holes, each closed (even-odd).
+
+    colour: index into the colours of the drawing.
+    """
+
+    rings: tuple[Polyline, ...]
+    colour: int = 0
 
 
 @dataclass(frozen=True, eq=False)
 class Drawing:
-    """The lines of a picture, in the picture's own units; u to the right, v UP.
+    """The ink of a picture, in the picture's own units; u to the right, v UP.
 
-    lines: centre-lines of strokes and outlines of fills, in the order of the file; an outline repeats its
-    first point. filled: per line, whether it bounds a fill. ignored: how many things of each sort were in the
+    lines: centre-lines of strokes, in the order of the file; a closed one repeats its first point.
+    line_colours: the colour of each line. areas: what is seen of each fill; no two overlap. colours: sRGB
+    from 0 to 1 in the order of painting, one pass each. ignored: how many things of each sort were in the
     file and are not drawn.
     """
 
     lines: tuple[Polyline, ...]
-    filled: tuple[bool, ...]
+    line_colours: tuple[int, ...]
+    areas: tuple[Area, ...]
+    colours: tuple[Colour, ...]
     name: str
     ignored: Mapping[str, int] = field(default_factory=dict)
 
@@ -31,15 +48,20 @@ class Drawing:
         return tuple(is_closed(line) for line in self.lines)
 
     @property
+    def outlines(self) -> tuple[Polyline, ...]:
+        """The rings of all areas."""
+        return tuple(ring for area in self.areas for ring in area.rings)
+
+    @property
     def bounds(self) -> tuple[Float[np.ndarray, "2"], Float[np.ndarray, "2"]]:
-        """Lowest and highest (u, v) of all lines."""
-        points = np.concatenate(self.lines)
+        """Lowest and highest (u, v) of all lines and areas."""
+        points = np.concatenate([*self.lines, *self.outlines])
         return points.min(axis=0), points.max(axis=0)
 
     @property
     def length(self) -> float:
-        """Length of all lines together."""
-        return float(sum(polyline_length(line) for line in self.lines))
+        """Length of all lines and outlines of areas together."""
+        return float(sum(polyline_length(line) for line in (*self.lines, *self.outlines)))
 
 
 def is_closed(line: Polyline) -> bool:
@@ -65,4 +87,9 @@ def fit(drawing: Drawing, size: tuple[float, float]) -> Drawing:
     extent = upper - lower
     scale = min(room[axis] / extent[axis] for axis in (0, 1) if extent[axis] > 0)
     middle = (lower + upper) / 2
-    return replace(drawing, lines=tuple((line - middle) * scale for line in drawing.lines))
+
+    def placed(lines: tuple[Polyline, ...]) -> tuple[Polyline, ...]:
+        return tuple((line - middle) * scale for line in lines)
+
+    areas = tuple(replace(area, rings=placed(area.rings)) for area in drawing.areas)
+    return replace(drawing, lines=placed(drawing.lines), areas=areas)

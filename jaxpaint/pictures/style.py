@@ -5,23 +5,40 @@ from dataclasses import dataclass
 
 from svgelements import Color
 
+from jaxpaint.pictures.drawing import BLACK, Colour
 from jaxpaint.pictures.markup import Element
 from jaxpaint.pictures.stylesheet import Style, StyleSheet, declarations
 
-_INHERITED = ("color", "fill", "fill-opacity", "stroke", "stroke-opacity", "stroke-width", "visibility")
+_INHERITED = (
+    "color",
+    "fill",
+    "fill-opacity",
+    "fill-rule",
+    "stroke",
+    "stroke-opacity",
+    "stroke-width",
+    "visibility",
+)
 _OWN = ("clip-path", "display", "mask", "opacity", "transform")
 _KNOWN = frozenset(_INHERITED + _OWN)
+_DEFAULTS = {"fill": "black", "stroke": "none"}
 _AMOUNT = re.compile(r"\s*([-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?)\s*(%|[a-zA-Z]*)\s*")
 _LONGEST = 100  # characters of a number or colour; patterns take quadratic time on absurd ones
 
 
 @dataclass(frozen=True)
 class Paint:
-    """Whether a shape's area and its line show, and whether the area has the colour of paper."""
+    """The colours of a shape's area and of its line (None: it does not show), and how they are painted.
 
-    fill: bool
-    stroke: bool
-    paper: bool
+    rule: which points are inside, "nonzero" or "evenodd". width: of the line, in user units. unresolved:
+    whether a colour is a gradient or a pattern, for which black stands.
+    """
+
+    fill: Colour | None
+    stroke: Colour | None
+    rule: str = "nonzero"
+    width: float = 1.0
+    unresolved: bool = False
 
 
 def cascade(element: Element, parent: Style, sheet: StyleSheet) -> Style:
@@ -42,12 +59,16 @@ def is_shown(style: Style) -> bool:
 
 
 def paint(style: Style) -> Paint:
-    """What of a shape shows; every colour but full transparency counts as ink."""
+    """What of a shape shows, and in which colours; half transparent ink counts as ink."""
     if style.get("visibility", "").lower() in ("hidden", "collapse"):
-        return Paint(fill=False, stroke=False, paper=False)
-    fill = _shows(style, "fill", default="black")
-    stroke = _shows(style, "stroke", default="none") and _amount(style.get("stroke-width"), 1.0) > 0
-    return Paint(fill, stroke, paper=fill and _colour(style, "fill", "black") in ("white", "#fff", "#ffffff"))
+        return Paint(None, None)
+    width = _amount(style.get("stroke-width"), 1.0)
+    rule = "evenodd" if style.get("fill-rule", "").lower() == "evenodd" else "nonzero"
+    shown = {key: _shows(style, key, default) for key, default in _DEFAULTS.items()}
+    shown["stroke"] = shown["stroke"] and width > 0
+    fill, stroke = (_rgb(_colour(style, key, _DEFAULTS[key])) if shown[key] else None for key in _DEFAULTS)
+    unresolved = any(shown[key] and _colour(style, key, "").startswith("url") for key in _DEFAULTS)
+    return Paint(fill, stroke, rule, width, unresolved)
 
 
 def _amount(value: str | None, default: float) -> float:
@@ -69,3 +90,17 @@ def _shows(style: Style, key: str, default: str) -> bool:
 def _colour(style: Style, key: str, default: str) -> str:
     colour = style.get(key, default).lower()
     return style.get("color", "black").lower() if colour == "currentcolor" else colour
+
+
+def _rgb(colour: str) -> Colour:
+    """sRGB of a colour as CSS writes it; black for what is none (gradients, patterns, unknown names)."""
+    if colour.startswith("url"):
+        colour = colour.partition(")")[2].strip() or "black"
+    try:
+        found = Color(colour[:_LONGEST])
+        channels = found.red, found.green, found.blue
+    except (ValueError, TypeError, IndexError):
+        return BLACK
+    if any(channel is None for channel in channels):
+        return BLACK
+    return tuple(min(max(int(channel), 0), 255) / 255 for channel in channels)  # type: ignore[return-value]

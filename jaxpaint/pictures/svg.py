@@ -1,4 +1,4 @@
-"""From the elements of an SVG file to the lines that its picture consists of."""
+"""From the elements of an SVG file to the shapes that its picture consists of."""
 
 import re
 from collections import Counter
@@ -10,9 +10,10 @@ from jaxtyping import Float
 
 from jaxpaint.errors import InputError
 from jaxpaint.pictures.curves import Curve
+from jaxpaint.pictures.drawing import Colour
 from jaxpaint.pictures.markup import MAX_DEPTH, MAX_ELEMENTS, Element, excerpt
 from jaxpaint.pictures.shapes import MAX_NUMBER, TAGS, curves_of, length, symbols_in
-from jaxpaint.pictures.style import cascade, is_shown, paint
+from jaxpaint.pictures.style import Paint, cascade, is_shown, paint
 from jaxpaint.pictures.stylesheet import Style, StyleSheet
 
 MAX_SYMBOLS = 600_000
@@ -26,10 +27,17 @@ _PAGE = (300.0, 150.0)  # what CSS gives a picture that states no size
 
 @dataclass(frozen=True, eq=False)
 class Ink:
-    """A curve that shows, in the coordinates of the page (y down), and whether it bounds a fill."""
+    """A shape that shows: its curves in the coordinates of the page (y down), and how they are painted.
 
-    curve: Curve
-    filled: bool
+    fill: of the area that the curves enclose, by the rule "nonzero" or "evenodd"; stroke: of the curves as
+    lines, `width` wide on the page. None where there is no such paint.
+    """
+
+    curves: tuple[Curve, ...]
+    fill: Colour | None
+    stroke: Colour | None
+    rule: str = "nonzero"
+    width: float = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,15 +60,16 @@ class _Place:
 
 
 class SvgReader:
-    """Walks an SVG tree once and gathers its ink; counts by name what it leaves out."""
+    """Walks an SVG tree once and gathers its ink and its paper; counts by name what it leaves out."""
 
     def __init__(self, root: Element):
         self.ink: list[Ink] = []
         self.ignored: Counter[str] = Counter()
+        self.paper: Colour = (1.0, 1.0, 1.0)
         elements = list(root.walk())
         self._sheet = _style_sheet(elements)
         self._by_id = {element.attributes.get("id", ""): element for element in reversed(elements)}
-        self._visits = self._symbols = 0
+        self._visits = self._symbols = self._curves = 0
         self._page: Float[np.ndarray, "2 2"] | None = None
         self._visit(root, _Place(np.eye(3), _page_size(root), {}))
 
@@ -129,7 +138,7 @@ class SvgReader:
         self._visit(target, place)
 
     def _draw(self, element: Element, place: _Place):
-        """A shape: an outline per sub-path if its area shows, else its line if that shows."""
+        """A shape, if its area or its line shows."""
         shows = paint(place.style)
         if not (shows.fill or shows.stroke):
             return
@@ -138,23 +147,27 @@ class SvgReader:
             raise InputError(
                 f"found more than {MAX_SYMBOLS} numbers and commands; allowed are simpler drawings"
             )
-        curves = [curve.moved(place.matrix) for curve in curves_of(element, place.viewport)]
-        if shows.paper and not shows.stroke and self._is_page(curves):
+        curves = tuple(curve.moved(place.matrix) for curve in curves_of(element, place.viewport))
+        self._curves += len(curves)
+        if self._curves > MAX_LINES:
+            raise InputError(f"found more than {MAX_LINES} lines; allowed are simpler drawings")
+        self._add(curves, shows, place)
+
+    def _add(self, curves: tuple[Curve, ...], shows: Paint, place: _Place):
+        """Ink of these curves. The first thing that fills the whole page is the paper."""
+        areas = any(curve.encloses_area(1e-9 * _span(curve)) for curve in curves)
+        fill = shows.fill if areas else None
+        if not (fill or shows.stroke):
+            return
+        if fill and not shows.stroke and not self.ink and self._is_page(curves):
+            self.paper = fill
             self.ignored["background"] += 1
             return
-        if len(self.ink) + len(curves) > MAX_LINES:
-            raise InputError(f"found more than {MAX_LINES} lines; allowed are simpler drawings")
-        for curve in curves:
-            self._add(curve, shows.fill and element.tag != "line", shows.stroke)
+        self.ignored.update(["gradient"] if shows.unresolved else [])
+        scale = float(np.sqrt(abs(np.linalg.det(place.matrix[:2, :2]))))
+        self.ink.append(Ink(curves, fill, shows.stroke, shows.rule, shows.width * scale))
 
-    def _add(self, curve: Curve, fill: bool, stroke: bool):
-        span = float(np.ptp(curve.controls.reshape(-1, 2), axis=0).max())
-        if fill and curve.encloses_area(1e-9 * span):
-            self.ink.append(Ink(curve.closing(), filled=True))
-        elif stroke:
-            self.ink.append(Ink(curve, filled=False))
-
-    def _is_page(self, curves: list[Curve]) -> bool:
+    def _is_page(self, curves: tuple[Curve, ...]) -> bool:
         """Whether a shape spans the whole page: paper that a program laid under its picture."""
         if len(curves) != 1 or self._page is None:
             return False
@@ -164,6 +177,11 @@ class SvgReader:
             (points.min(axis=0) <= self._page[0] + slack).all()
             and (points.max(axis=0) >= self._page[1] - slack).all()
         )
+
+
+def _span(curve: Curve) -> float:
+    """The larger side of the box around a curve's control points."""
+    return float(np.ptp(curve.controls.reshape(-1, 2), axis=0).max())
 
 
 def _style_sheet(elements: list[Element]) -> StyleSheet:

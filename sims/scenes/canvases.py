@@ -15,8 +15,10 @@ DRAWING_WIDTH, DRAWING_HEIGHT = 2.4, 0.6
 CENTER_HEIGHT = 1.1
 _STAND_OFF = 0.05
 _MAX_DEPTH = 1.5
+# Things that reach further out of a wall than this are not hung over or stood before it [m].
+_MAX_OBJECT, _SAME = 0.5, 0.002
 _MIN_SHARE = 0.5
-_PROBES = 9
+_PROBES, _FINE_PROBES = 9, 81
 
 
 def default_canvas(scene: Scene) -> Canvas:
@@ -25,7 +27,11 @@ def default_canvas(scene: Scene) -> Canvas:
     lead = scene.chart.point(jnp.asarray([0.5 * DRAWING_WIDTH, CENTER_HEIGHT], dtype=float))
     middle = scene.chart.point(jnp.asarray([0.0, CENTER_HEIGHT], dtype=float))
     x = float(jnp.minimum(lead[0], middle[0])) - _STAND_OFF
-    return make_canvas((width, DRAWING_HEIGHT), (x, float(middle[1]), CENTER_HEIGHT, 0.0))
+    size, far = (width, DRAWING_HEIGHT), (x - _MAX_OBJECT, float(middle[1]), CENTER_HEIGHT, 0.0)
+    nearest = float(jnp.min(_distances(scene, make_canvas(size, far))))
+    # Rays that start inside of a thing, or behind it, would not know that it hides the wall.
+    ahead = far[0] + nearest - _STAND_OFF
+    return make_canvas(size, (ahead if ahead < x - _SAME else x, *far[1:]))
 
 
 def canvas_for(
@@ -68,9 +74,24 @@ def make_canvas(size: tuple[float, float], pose: tuple[float, float, float, floa
 
 def share_on_wall(scene: Scene, canvas: Canvas) -> float:
     """Share of a coarse grid of the canvas' rays that meet a surface within 1.5 m."""
-    steps = np.linspace(-0.5, 0.5, _PROBES)
-    uv = jnp.asarray(np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2), dtype=float) * canvas.size
+    uv = jnp.asarray(_grid(_PROBES), dtype=float) * canvas.size
     return float(_share_met(scene, canvas.to_map(uv), canvas.ray))
+
+
+def _distances(scene: Scene, canvas: Canvas) -> Float[Array, "N"]:
+    """Lengths of a grid of the canvas' rays, two or three centimetres apart [m]."""
+    uv = jnp.asarray(_grid(_FINE_PROBES), dtype=float) * canvas.size
+    return _cast(scene, canvas.to_map(uv), canvas.ray)
+
+
+@jax.jit
+def _cast(scene: Scene, origins: Float[Array, "N 3"], direction: Float[Array, "3"]) -> Float[Array, "N"]:
+    return jax.vmap(scene.raycast, in_axes=(0, None))(origins, direction).distance
+
+
+def _grid(count: int) -> np.ndarray:
+    steps = np.linspace(-0.5, 0.5, count)
+    return np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
 
 
 @jax.jit

@@ -11,6 +11,7 @@ from jaxpaint.clouds import Cloud
 from jaxpaint.errors import InputError
 from jaxpaint.mapping.canvas import Canvas
 from sims.scenes.baking import Baked, bake
+from sims.scenes.building import plaster, wooden_floor
 from sims.scenes.canvases import CENTER_HEIGHT, make_canvas
 from sims.scenes.charts import HeightChart
 from sims.scenes.heightfield import HeightField
@@ -19,7 +20,6 @@ from sims.scenes.orientation import Stance, find_wall
 from sims.scenes.placing import Place, find_place
 from sims.scenes.scene import Scene
 from sims.scenes.textures import AbstractTexture, Photograph
-from sims.scenes.walls import plaster, wooden_floor
 
 # What stands further in front of the wall is where the robot drives; what is further behind is another room.
 _IN_FRONT, _BEHIND = 1.2, 0.5

@@ -3,7 +3,7 @@
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Array, Bool, Float
 
 from sims.scenes.heightmap import HeightMap
 from sims.scenes.hits import Hit
@@ -19,8 +19,10 @@ class HeightField(AbstractPrimitive):
     A ray is marched in `steps` equal steps through the slab [near, far] that holds all of the surface, on
     the depths of single cells; where it has sunk below them it is bisected on the smooth surface, and a
     last Newton step carries the gradient. Where the surface was not captured the ray stops without a
-    reading, as it does at the rim of an object: what is behind is not known either. Things thinner than a
-    step may be stepped over.
+    reading, as it does at the rim of an object: what is behind is not known either. Where nothing is at all,
+    as in a hole of a mesh, the ray passes. Things thinner than a step may be stepped over.
+
+    near, far: x of the slab [m]. empty: cells without a body, a mask like the map's `valid`; None: no such.
     """
 
     surface: HeightMap
@@ -28,6 +30,7 @@ class HeightField(AbstractPrimitive):
     far: Float[Array, ""]
     texture: AbstractTexture
     steps: int = eqx.field(static=True, default=64)
+    empty: Bool[Array, "V U"] | None = None
 
     def intersect(self, origin: Float[Array, "3"], direction: Float[Array, "3"]) -> Hit:
         enter, leave = self._span(origin, direction)
@@ -40,6 +43,8 @@ class HeightField(AbstractPrimitive):
         length = jnp.sqrt(1 + slopes[0] ** 2 + slopes[1] ** 2)
         normal = jnp.stack([-jnp.ones_like(length), -slopes[0], slopes[1]]) / length
         met = crosses & sinks & (distance > 0)
+        if self.empty is not None:
+            met = met & ~self.surface.holds(self.empty, uv)
         valid = met & self.surface.captured(uv) & (jnp.sum(normal * direction) < 0)
         return Hit(
             distance=jnp.where(met, distance, jnp.inf),

@@ -39,8 +39,12 @@ class HeightMap(eqx.Module):
 
     def captured(self, uv: Float[Array, "2"]) -> Bool[Array, ""]:
         """Whether the surface was captured at uv [m]: the nearest cell is valid."""
+        return self.holds(self.valid, uv) & self.inside(uv)
+
+    def holds(self, mask: Bool[Array, "V U"], uv: Float[Array, "2"]) -> Bool[Array, ""]:
+        """A mask of cells at the one nearest to uv [m]."""
         row, column = self._cell(uv)
-        return self.valid[row, column] & self.inside(uv)
+        return mask[row, column]
 
     def nearest(self, uv: Float[Array, "2"]) -> Float[Array, ""]:
         """Depth of the nearest cell [m]: a cheap look before the exact one."""
@@ -54,8 +58,8 @@ class HeightMap(eqx.Module):
         patch = jax.lax.dynamic_slice(self.depth, (row - 1, column - 1), (3, 3))
         across = (uv[0] - self.left) / self.cell - column.astype(uv.dtype)
         up = (uv[1] - self.low) / self.cell - row.astype(uv.dtype)
-        weight_u, slope_u = _spline(across)
-        weight_v, slope_v = _spline(up)
+        weight_u, slope_u = spline_weights(across)
+        weight_v, slope_v = spline_weights(up)
         along_u = jnp.sum(patch * weight_u[None, :], axis=1)
         bent_u = jnp.sum(patch * slope_u[None, :], axis=1)
         slopes = jnp.stack([jnp.sum(bent_u * weight_v), jnp.sum(along_u * slope_v)]) / self.cell
@@ -69,7 +73,7 @@ class HeightMap(eqx.Module):
         return row, column
 
 
-def _spline(t: Float[Array, ""]) -> tuple[Float[Array, "3"], Float[Array, "3"]]:
+def spline_weights(t: Float[Array, ""]) -> tuple[Float[Array, "3"], Float[Array, "3"]]:
     """Weights of the three nearest coefficients of a quadratic B-spline, and their slopes; |t| <= 1/2."""
     weights = jnp.stack([0.5 * (0.5 - t) ** 2, 0.75 - t**2, 0.5 * (0.5 + t) ** 2])
     return weights, jnp.stack([t - 0.5, -2 * t, t + 0.5])

@@ -6,9 +6,10 @@ from xml.etree import ElementTree as xml
 import jax
 import jax.numpy as jnp
 import numpy as np
+from scipy import ndimage
 
 from sims.scenes.heightfield import HeightField
-from sims.scenes.primitives import AbstractPrimitive, Box, CylinderPatch, Floor, Rectangle, Sphere
+from sims.scenes.primitives import AbstractPrimitive, Box, CylinderPatch, Floor, Post, Rectangle, Sphere
 from sims.scenes.scene import Scene
 from sims.scenes.textures import AbstractTexture
 
@@ -70,7 +71,7 @@ def _(primitive: Floor, geom: xml.Element, asset: xml.Element) -> None:
 
 
 @_describe.register
-def _(primitive: CylinderPatch, geom: xml.Element, asset: xml.Element) -> None:
+def _(primitive: CylinderPatch | Post, geom: xml.Element, asset: xml.Element) -> None:
     half = 0.5 * float(primitive.height)
     middle = np.asarray(primitive.foot, dtype=float) + np.array([0, 0, half])
     geom.attrib |= {"type": "cylinder", "pos": _text(middle), "size": _text([float(primitive.radius), half])}
@@ -80,7 +81,10 @@ def _(primitive: CylinderPatch, geom: xml.Element, asset: xml.Element) -> None:
 def _(primitive: HeightField, geom: xml.Element, asset: xml.Element) -> None:
     """A height field whose z axis points to the robot; its rows are v, its columns u."""
     surface = primitive.surface
+    # The map's numbers are coefficients: what MuJoCo joins are the spline's own depths at the cells.
     depth = np.asarray(surface.depth, dtype=float)
+    for axis in (0, 1):
+        depth = ndimage.correlate1d(depth, [0.125, 0.75, 0.125], axis=axis, mode="nearest")
     rows, columns = depth.shape
     half_u, half_v = 0.5 * float(surface.cell) * (columns - 1), 0.5 * float(surface.cell) * (rows - 1)
     back = float(depth.max())

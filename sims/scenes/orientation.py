@@ -13,7 +13,8 @@ from scipy.spatial import cKDTree
 from jaxpaint.clouds import Cloud
 from jaxpaint.errors import InputError
 
-_AXES = {
+# Unit vectors by the names that --up takes.
+AXES = {
     sign + name: float(sign + "1") * np.eye(3)[index] for index, name in enumerate("xyz") for sign in "+-"
 }
 _NEIGHBOURS = 30
@@ -50,25 +51,25 @@ def find_wall(cloud: Cloud, up: str | None = None) -> Stance:
     """
     points, normals = _sparse_normals(cloud)
     axis = _guess_up(cloud, points, normals) if up is None else parse_axis(up)
-    upright = np.abs(normals @ _AXES[axis]) < np.sin(_MAX_LEAN) + 0.05
+    upright = np.abs(normals @ AXES[axis]) < np.sin(_MAX_LEAN) + 0.05
     if upright.sum() < 50:
         raise InputError(f"{cloud.name}: no upright plane found with up = {axis}; try another --up")
-    normal, offset = _largest_plane(points[upright], normals[upright], _AXES[axis])
+    normal, offset = _largest_plane(points[upright], normals[upright], AXES[axis])
     normal, offset, share = _refine(points, normals, normal, offset)
     sign, side = _robot_side(cloud, points, normal, offset)
     normal, offset = sign * normal, sign * offset
-    lean = float(np.arcsin(np.clip(normal @ _AXES[axis], -1, 1)))
+    lean = float(np.arcsin(np.clip(normal @ AXES[axis], -1, 1)))
     if abs(lean) > _MAX_LEAN:
         raise InputError(
             f"{cloud.name}: the largest plane leans {np.rad2deg(lean):.0f} degrees with up = {axis}"
         )
-    return Stance(_wall_axes(normal, _AXES[axis]), -offset, axis, up is None, side, lean, share)
+    return Stance(wall_axes(normal, AXES[axis]), -offset, axis, up is None, side, lean, share)
 
 
 def parse_axis(name: str) -> str:
     """The canonical name, sign first, of an axis given as x, +x or -x."""
     axis = name if name[:1] in ("+", "-") else "+" + name
-    if axis not in _AXES:
+    if axis not in AXES:
         raise InputError(f"--up: '{name}' found, allowed: x, y, z, +x, +y, +z, -x, -y, -z")
     return axis
 
@@ -113,10 +114,10 @@ def _guess_up(cloud: Cloud, points: np.ndarray, normals: np.ndarray) -> str:
     offsets = points - cloud.viewpoint
     looks_along_z = float(np.mean(offsets[:, 2] > 0)) > 0.99
     bonus = {"x": 0.0, "y": 0.08, "z": 0.15 if looks_along_z else 0.5}
-    along = {name: np.abs(normals @ _AXES["+" + name]) for name in "xyz"}
+    along = {name: np.abs(normals @ AXES["+" + name]) for name in "xyz"}
     fit = {name: float(np.mean(value < 0.15) + 0.8 * np.mean(value > 0.97)) for name, value in along.items()}
     best = max("zyx", key=lambda name: fit[name] + bonus[name])
-    heights = offsets[along[best] > 0.97] @ _AXES["+" + best]
+    heights = offsets[along[best] > 0.97] @ AXES["+" + best]
     below, above = float(np.sum(heights < 0)), float(np.sum(heights > 0))
     if max(below, above) > max(0.02 * len(points), 4 * min(below, above)):
         return ("+" if below > above else "-") + best
@@ -180,7 +181,7 @@ def _robot_side(cloud: Cloud, points: np.ndarray, normal: np.ndarray, offset: fl
     return -float(np.sign(normal[np.argmax(np.abs(normal))])), "the negative axis'"
 
 
-def _wall_axes(normal: np.ndarray, up: np.ndarray) -> Float[np.ndarray, "3 3"]:
+def wall_axes(normal: Float[np.ndarray, "3"], up: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:
     """Rows: x into the wall, y to the robot's left, z up in the wall's plane, so that it stands upright."""
     x = -normal
     z = up - x * (up @ x)

@@ -1,5 +1,6 @@
 """Where on a captured wall a canvas fits best: inside the free plane, as far as can be from all else."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,6 +9,7 @@ from scipy import ndimage
 
 from jaxpaint.errors import InputError
 from sims.scenes.baking import Baked
+from sims.scenes.gridding import Lattice
 
 _BAND, _BAND_NOISE = 0.015, 2.5
 _MAX_SLOPE = np.tan(np.deg2rad(10.0))
@@ -38,8 +40,15 @@ def find_place(baked: Baked, size: tuple[float, float] | None, name: str) -> Pla
     On the plane where it fits there, else anywhere on the wall's smooth surface, as on a captured column.
     Raises InputError with the largest size of the same shape that fits.
     """
-    cell = baked.lattice.cell
-    for free in (free_plane(baked), free_surface(baked)):
+    return place_in((find(baked) for find in (free_plane, free_surface)), baked.lattice, size, name)
+
+
+def place_in(
+    choices: Iterable[Bool[np.ndarray, "V U"]], lattice: Lattice, size: tuple[float, float] | None, name: str
+) -> Place:
+    """The place of a canvas in the first of several masks of free cells that has one; see `find_place`."""
+    cell = lattice.cell
+    for free in choices:
         blocked = _integral(~free)
         wanted = size if size is not None else _largest_of_any_shape(blocked, cell)
         if min(wanted) > 2 * cell and _fits(blocked, _cells(wanted, cell), 0).any():
@@ -51,7 +60,6 @@ def find_place(baked: Baked, size: tuple[float, float] | None, name: str) -> Pla
             f"the largest canvas of that shape that fits is {width:.2f} x {height:.2f} m"
         )
     row, column, margin = _clearest(blocked, _cells(wanted, cell))
-    lattice = baked.lattice
     return Place(
         u=lattice.left + column * lattice.cell,
         v=lattice.low + row * lattice.cell,

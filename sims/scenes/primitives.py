@@ -9,7 +9,7 @@ import abc
 
 import equinox as eqx
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Array, Bool, Float
 
 from sims.scenes.hits import Hit, hit_where
 from sims.scenes.textures import AbstractTexture
@@ -75,15 +75,7 @@ class CylinderPatch(AbstractPrimitive):
 
     def intersect(self, origin: Float[Array, "3"], direction: Float[Array, "3"]) -> Hit:
         start = origin - self.foot
-        flat = direction[0] ** 2 + direction[1] ** 2
-        slanted = flat > 0
-        safe = jnp.where(slanted, flat, 1.0)
-        # From the point closest to the axis: b^2 - ac of the usual root cancels badly in float32.
-        closest = -(start[0] * direction[0] + start[1] * direction[1]) / safe
-        gap = (start[0] + closest * direction[0]) ** 2 + (start[1] + closest * direction[1]) ** 2
-        chord = self.radius**2 - gap
-        cuts = slanted & (chord > 0)
-        distance = closest - jnp.sqrt(jnp.where(cuts, chord, 1.0) / safe)
+        distance, cuts = _round_side(start, direction, self.radius)
         point = start + distance * direction
         ahead = jnp.cos(self.yaw) * point[0] + jnp.sin(self.yaw) * point[1]
         right = jnp.sin(self.yaw) * point[0] - jnp.cos(self.yaw) * point[1]
@@ -92,6 +84,39 @@ class CylinderPatch(AbstractPrimitive):
         normal = jnp.stack([point[0], point[1], jnp.zeros_like(point[2])]) / self.radius
         uv = jnp.stack([self.radius * angle, point[2]])
         return hit_where(cuts & (distance > 0) & within, distance, normal, self.texture.colour(uv))
+
+
+class Post(AbstractPrimitive):
+    """A whole upright cylinder with its top and bottom, seen from outside.
+
+    foot: middle of the bottom [m]. The texture runs over arc length and height on the side, and over x and y
+    on the ends [m].
+    """
+
+    foot: Float[Array, "3"]
+    radius: Float[Array, ""]
+    height: Float[Array, ""]
+    texture: AbstractTexture
+
+    def intersect(self, origin: Float[Array, "3"], direction: Float[Array, "3"]) -> Hit:
+        start = origin - self.foot
+        side, cuts = _round_side(start, direction, self.radius)
+        rising = direction[2] > 0
+        level = direction[2] == 0
+        end = jnp.where(rising, 0.0, self.height)
+        # Of the two ends only the one that faces the ray's start can be met from outside.
+        cap = (end - start[2]) / jnp.where(level, 1.0, direction[2])
+        at_side, at_cap = start + side * direction, start + cap * direction
+        on_side = cuts & (side > 0) & (at_side[2] >= 0) & (at_side[2] <= self.height)
+        on_cap = ~level & (cap > 0) & (at_cap[0] ** 2 + at_cap[1] ** 2 <= self.radius**2)
+        # The side is entered before a cap wherever the ray meets both.
+        point = jnp.where(on_side, at_side, at_cap)
+        distance = jnp.where(on_side, side, jnp.where(on_cap, cap, 1.0))
+        outward = jnp.stack([point[0], point[1], jnp.zeros_like(point[2])]) / self.radius
+        up = jnp.zeros_like(outward).at[2].set(jnp.where(rising, -1.0, 1.0))
+        angle = jnp.arctan2(jnp.where(on_side, point[1], 0.0), jnp.where(on_side, point[0], 1.0))
+        uv = jnp.where(on_side, jnp.stack([self.radius * angle, point[2]]), point[:2])
+        return hit_where(on_side | on_cap, distance, jnp.where(on_side, outward, up), self.texture.colour(uv))
 
 
 class Sphere(AbstractPrimitive):
@@ -144,3 +169,18 @@ class Box(AbstractPrimitive):
 def _turned(vector: Float[Array, "3"], R_map_body: Float[Array, "3 3"]) -> Float[Array, "3"]:
     """A map vector in the axes of a body."""
     return jnp.sum(R_map_body * vector[:, None], axis=0)
+
+
+def _round_side(
+    start: Float[Array, "3"], direction: Float[Array, "3"], radius: Float[Array, ""]
+) -> tuple[Float[Array, ""], Bool[Array, ""]]:
+    """Distance at which a ray enters an endless cylinder about the z axis, and whether it cuts it at all."""
+    flat = direction[0] ** 2 + direction[1] ** 2
+    slanted = flat > 0
+    safe = jnp.where(slanted, flat, 1.0)
+    # From the point closest to the axis: b^2 - ac of the usual root cancels badly in float32.
+    closest = -(start[0] * direction[0] + start[1] * direction[1]) / safe
+    gap = (start[0] + closest * direction[0]) ** 2 + (start[1] + closest * direction[1]) ** 2
+    chord = radius**2 - gap
+    cuts = slanted & (chord > 0)
+    return closest - jnp.sqrt(jnp.where(cuts, chord, 1.0) / safe), cuts

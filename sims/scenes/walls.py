@@ -1,16 +1,14 @@
-"""The three walls of S1 section V: flat, inside corner, column."""
+"""The three walls of S1 section V: flat, inside corner, column; and all walls by name."""
 
 import math
 from dataclasses import dataclass
 
-import jax.numpy as jnp
-from jaxtyping import Array, Float
-
 from jaxpaint.errors import InputError
+from sims.scenes.building import numbers, plaster, plate, wooden_floor
 from sims.scenes.charts import CylinderChart, FoldChart, PlaneChart
-from sims.scenes.primitives import CylinderPatch, Floor, Rectangle
+from sims.scenes.furnished import objects, room
+from sims.scenes.primitives import CylinderPatch
 from sims.scenes.scene import Scene
-from sims.scenes.textures import Plaster, Wood
 
 
 @dataclass(frozen=True)
@@ -47,24 +45,27 @@ def flat(config: FlatWall = FlatWall()) -> Scene:
     """The flat wall of S1 fig. 11."""
     half = 0.5 * config.width
     chart = PlaneChart(
-        origin=_array(0, 0, 0), yaw=_array(0)[0], lower=_array(-half, 0), upper=_array(half, config.height)
+        origin=numbers(0, 0, 0),
+        yaw=numbers(0)[0],
+        lower=numbers(-half, 0),
+        upper=numbers(half, config.height),
     )
-    plate = _plate(chart, -half, half, config.height, plaster())
-    return Scene((plate, wooden_floor()), chart, "flat")
+    face = plate(chart, -half, half, config.height, plaster())
+    return Scene((face, wooden_floor()), chart, "flat")
 
 
 def corner(config: Corner = Corner()) -> Scene:
     """The corner of S1 fig. 11: the robot looks into the edge."""
     width = config.face_width
     chart = FoldChart(
-        origin=_array(config.edge_x, 0, 0),
-        yaw=_array(0)[0],
-        interior=_array(config.interior)[0],
-        lower=_array(-width, 0),
-        upper=_array(width, config.height),
+        origin=numbers(config.edge_x, 0, 0),
+        yaw=numbers(0)[0],
+        interior=numbers(config.interior)[0],
+        lower=numbers(-width, 0),
+        upper=numbers(width, config.height),
     )
-    left = _plate(chart, -width, 0.0, config.height, plaster())
-    right = _plate(chart, 0.0, width, config.height, plaster(0.80, 0.83, 0.86))
+    left = plate(chart, -width, 0.0, config.height, plaster())
+    right = plate(chart, 0.0, width, config.height, plaster(0.80, 0.83, 0.86))
     return Scene((left, right, wooden_floor()), chart, "corner")
 
 
@@ -73,58 +74,30 @@ def cylinder(config: Column = Column()) -> Scene:
     half_angle = 0.5 * math.pi
     reach = config.radius * half_angle
     chart = CylinderChart(
-        axis=_array(config.radius, 0, 0),
-        yaw=_array(0)[0],
-        radius=_array(config.radius)[0],
-        lower=_array(-reach, 0),
-        upper=_array(reach, config.height),
+        axis=numbers(config.radius, 0, 0),
+        yaw=numbers(0)[0],
+        radius=numbers(config.radius)[0],
+        lower=numbers(-reach, 0),
+        upper=numbers(reach, config.height),
     )
     patch = CylinderPatch(
         foot=chart.axis,
         yaw=chart.yaw,
         radius=chart.radius,
-        half_angle=_array(half_angle)[0],
-        height=_array(config.height)[0],
+        half_angle=numbers(half_angle)[0],
+        height=numbers(config.height)[0],
         texture=plaster(),
     )
     return Scene((patch, wooden_floor()), chart, "cylinder")
 
 
-WALLS = {"flat": flat, "corner": corner, "cylinder": cylinder}
+WALLS = {"flat": flat, "corner": corner, "cylinder": cylinder, "objects": objects, "room": room}
 
 
 def make_wall(kind: str) -> Scene:
     """The wall of that name, with its default sizes."""
     if kind not in WALLS:
-        raise InputError(f"--wall: '{kind}' found, allowed: {', '.join(WALLS)}, or a cloud file")
+        raise InputError(
+            f"--wall: '{kind}' found, allowed: {', '.join(WALLS)}, or the file of a cloud or mesh"
+        )
     return WALLS[kind]()
-
-
-def _plate(
-    chart: PlaneChart | FoldChart, left: float, right: float, height: float, texture: Plaster
-) -> Rectangle:
-    """The flat part of a chart between two values of u, from the floor up."""
-    middle = _array(0.5 * (left + right), 0.5 * height)
-    normal = chart.normal(middle)
-    up = _array(0, 0, 1)
-    return Rectangle(
-        center=chart.point(middle),
-        R_map_plate=jnp.stack([jnp.cross(up, normal), up, normal], axis=1),
-        half=_array(0.5 * (right - left), 0.5 * height),
-        texture=texture,
-    )
-
-
-def plaster(red: float = 0.86, green: float = 0.85, blue: float = 0.80) -> Plaster:
-    """Light plaster, the look of a wall that nobody photographed."""
-    return Plaster(base=_array(red, green, blue), contrast=_array(0.06)[0], grain=_array(0.35)[0])
-
-
-def wooden_floor() -> Floor:
-    """Boards at z = 0."""
-    wood = Wood(base=_array(0.62, 0.48, 0.34), contrast=_array(0.12)[0], board=_array(0.18)[0])
-    return Floor(height=_array(0)[0], texture=wood)
-
-
-def _array(*values: float) -> Float[Array, "n"]:
-    return jnp.asarray(values, dtype=float)

@@ -117,7 +117,8 @@ def test_folder(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("name", "found"), [("a.png", "raster"), ("a.JPG", "raster"), ("a.pdf", "'.pdf'"), ("a", "''")]
+    ("name", "found"),
+    [("a.png", "an SVG drawing"), ("a.JPG", "an SVG drawing"), ("a.pdf", "'.pdf'"), ("a", "''")],
 )
 def test_other_formats(tmp_path, name, found):
     assert found in refused(written(tmp_path, SVG + LINE + "</svg>", name))

@@ -26,55 +26,57 @@ def test_shapes_of_a_real_plotter_file(shared_data):
     assert polygon[0].tolist() == polygon[-1].tolist() == [5, -340] and len(polygon) == 5
     assert len(polyline) == 4
     assert drawing.closed == (True, True, True, True, False, True, False)
-    assert not any(drawing.filled)
+    assert not drawing.areas and set(drawing.line_colours) == {0}
 
 
 @pytest.mark.realdata
 @pytest.mark.parametrize(
-    ("name", "lines", "filled", "ignored"),
+    ("name", "lines", "rings", "ignored"),
     [
-        ("03042", 3, 0, {"text": 3}),
-        ("04e00", 1, 0, {"text": 1}),
-        ("06c38", 5, 0, {"text": 5}),
-        ("09f8d", 16, 0, {"text": 16}),
-        ("apple", 2, 2, {}),
-        ("arc_with_rotate", 6, 0, {}),
-        ("audi", 8, 8, {}),
-        ("few_beziers", 12, 0, {}),
-        ("gnu", 13, 13, {}),
-        ("julia", 3, 3, {}),
-        ("multilayer", 4, 0, {}),
-        ("opencv", 3, 3, {}),
-        ("python", 4, 4, {}),
-        ("ros", 9, 9, {}),
-        ("rust", 10, 10, {}),
+        ("03042", 3, [], {"text": 3}),
+        ("04e00", 1, [], {"text": 1}),
+        ("06c38", 5, [], {"text": 5}),
+        ("09f8d", 16, [], {"text": 16}),
+        ("apple", 0, [1, 1], {}),
+        ("arc_with_rotate", 6, [], {}),
+        ("audi", 0, [8], {}),
+        ("few_beziers", 12, [], {}),
+        ("gnu", 0, [1, 1, 1, 1, 1, 1, 1, 6], {}),
+        ("julia", 0, [1, 1, 1], {}),
+        ("multilayer", 4, [], {}),
+        ("opencv", 0, [1, 1, 1], {}),
+        ("python", 0, [2, 2], {}),
+        ("ros", 0, [1] * 9, {}),
+        ("rust", 0, [10], {}),
     ],
 )
-def test_real_files(shared_data, name, lines, filled, ignored):
+def test_real_files(shared_data, name, lines, rings, ignored):
     drawing = read_drawing(shared_data / "images" / f"{name}.svg")
-    assert (len(drawing.lines), sum(drawing.filled), drawing.ignored) == (lines, filled, ignored)
-    assert drawing.name == name
-    if filled:
-        assert all(drawing.closed)
+    assert (len(drawing.lines), sorted(len(area.rings) for area in drawing.areas)) == (lines, rings)
+    assert (drawing.name, drawing.ignored) == (name, ignored)
 
 
 @pytest.mark.realdata
 def test_circles_of_a_real_logo(shared_data):
     """Julia's three discs, each a path of relative arcs: circles of radius 5.569 to the tolerance."""
-    for line in read_drawing(shared_data / "images" / "julia.svg").lines:
+    for area in read_drawing(shared_data / "images" / "julia.svg").areas:
+        (line,) = area.rings
         middle = (line.min(axis=0) + line.max(axis=0)) / 2
         np.testing.assert_allclose(np.hypot(*(line - middle).T), 5.569, atol=2e-4 * 24)
 
 
-def test_a_fill_is_its_closed_outline(draw):
+def test_a_fill_is_an_area_closed_by_a_straight_line(draw):
     drawing = draw('<path d="M10 10h20v20" fill="red" stroke="none"/>')
-    assert drawing.lines[0].tolist() == [[10, -10], [30, -10], [30, -30], [10, -10]]
-    assert drawing.filled == (True,)
+    (area,) = drawing.areas
+    assert {tuple(point) for point in area.rings[0].tolist()} == {(10, -10), (30, -10), (30, -30)}
+    assert not drawing.lines and drawing.colours == ((1, 0, 0),)
 
 
-def test_fill_and_stroke_of_one_shape_count_once(draw):
+def test_fill_and_stroke_of_one_shape_are_an_area_and_a_line(draw):
     drawing = draw(f'<path d="{SQUARE}" fill="red"/>')
-    assert len(drawing.lines) == 1 and drawing.filled == (True,)
+    assert (len(drawing.lines), len(drawing.areas)) == (1, 1)
+    assert drawing.colours == ((1, 0, 0), (0, 0, 0))
+    assert (drawing.line_colours, drawing.areas[0].colour) == ((1,), 0)
 
 
 @pytest.mark.parametrize(
@@ -82,12 +84,7 @@ def test_fill_and_stroke_of_one_shape_count_once(draw):
 )
 def test_what_encloses_no_area_is_a_stroke(draw, shape):
     drawing = draw(shape, head='stroke="black"')
-    assert drawing.filled == (False,) and drawing.closed == (False,)
-
-
-def test_holes_are_outlines_too(draw):
-    drawing = draw('<path d="M0 0h9v9h-9zM3 3h3v3h-3z" fill="black" stroke="none"/>')
-    assert drawing.closed == (True, True) and drawing.filled == (True, True)
+    assert drawing.closed == (False,) and not drawing.areas
 
 
 @pytest.mark.parametrize(
@@ -115,11 +112,10 @@ def test_what_is_left_out_is_counted(draw):
 
 def test_paper_under_the_picture_is_not_ink(draw):
     paper = '<rect width="100%" height="100%" fill="#FFFFFF" stroke="none"/>'
-    assert draw(f'{paper}<path d="{SQUARE}"/>').ignored == {"background": 1}
-    assert len(draw(f'{paper.replace("#FFFFFF", "blue")}<path d="{SQUARE}"/>').lines) == 2
-    assert (
-        len(draw(f'<rect width="9" height="9" fill="white" stroke="none"/><path d="{SQUARE}"/>').lines) == 2
-    )
+    for colour in ("#FFFFFF", "blue"):
+        drawing = draw(f'{paper.replace("#FFFFFF", colour)}<path d="{SQUARE}"/>')
+        assert (drawing.ignored, len(drawing.lines), drawing.areas) == ({"background": 1}, 1, ())
+    assert len(draw(f'<path d="{SQUARE}"/>{paper.replace("#FFFFFF", "blue")}').areas) == 1
 
 
 def test_a_frame_drawn_round_the_page_is_ink(draw):

@@ -16,7 +16,8 @@ seeds = st.integers(0, 10_000)
 
 
 def drawing_of(*lines) -> Drawing:
-    return Drawing(tuple(np.array(line, dtype=float) for line in lines), (False,) * len(lines), "test")
+    points = tuple(np.array(line, dtype=float) for line in lines)
+    return Drawing(points, (0,) * len(lines), (), ((0.0, 0.0, 0.0),), "test")
 
 
 def random_drawing(seed: int, count: int) -> Drawing:
@@ -32,13 +33,13 @@ def random_drawing(seed: int, count: int) -> Drawing:
 
 
 def stroke_list(strokes: Strokes) -> list[Polyline]:
-    return [strokes.points[strokes.stroke == k] for k in range(strokes.count)]
+    return strokes.lines
 
 
 @given(seeds, st.integers(1, 25))
 def test_travel_is_never_longer_than_in_the_order_of_the_file(seed, count):
     drawing = random_drawing(seed, count)
-    short, as_drawn = plan_strokes(drawing, 0.1), plan_strokes(drawing, 0.1, order="file")
+    short, as_drawn = plan_strokes(drawing, 0.1, order="shortest"), plan_strokes(drawing, 0.1, order="file")
     assert short.travel <= as_drawn.travel + 1e-12
     assert as_drawn.travel == pytest.approx(travel(list(drawing.lines)))
     assert short.length == pytest.approx(as_drawn.length)
@@ -156,7 +157,7 @@ def test_handwriting_in_the_order_of_the_file(shared_data):
     [
         ({"spacing": 0.0}, "spacing: found 0.0"),
         ({"spacing": float("nan")}, "spacing: found nan"),
-        ({"spacing": 0.1, "order": "random"}, "order: found 'random'; allowed are 'shortest' and 'file'"),
+        ({"spacing": 0.1, "order": "random"}, "order: found 'random'; allowed are writing, shortest, file"),
     ],
 )
 def test_impossible_options(options, message):

@@ -74,15 +74,36 @@ def test_what_is_handed_down_and_what_is_not():
         ({"stroke": "red", "visibility": "hidden"}, False, False),
     ],
 )
-def test_paint(style, fill, stroke):
-    assert paint(style) == Paint(fill, stroke, paper=False)
+def test_what_shows(style, fill, stroke):
+    shown = paint(style)
+    assert (shown.fill is not None, shown.stroke is not None) == (fill, stroke)
 
 
 @pytest.mark.parametrize(
-    ("colour", "paper"), [("white", True), ("#FFF", True), ("#fefefe", False), ("red", False)]
+    ("colour", "rgb"),
+    [
+        ("red", (255, 0, 0)),
+        ("RED", (255, 0, 0)),
+        ("#f80", (255, 136, 0)),
+        ("#102030", (16, 32, 48)),
+        ("rgb(1, 2,3)", (1, 2, 3)),
+        ("rgb(0%,100%,0%)", (0, 255, 0)),
+        ("hsl(240,100%,50%)", (0, 0, 255)),
+        ("currentColor", (0, 128, 128)),
+        ("url(#gradient) blue", (0, 0, 255)),
+        ("url(#gradient)", (0, 0, 0)),
+        ("no such colour", (0, 0, 0)),
+    ],
 )
-def test_paper_is_white(colour, paper):
-    assert paint({"fill": colour}).paper == paper
+def test_colours(colour, rgb):
+    found = paint({"fill": colour, "color": "teal"}).fill
+    assert found == pytest.approx(tuple(c / 255 for c in rgb), abs=1e-9)
+
+
+def test_rule_and_width():
+    shown = paint({"stroke": "red", "stroke-width": "2.5", "fill-rule": "evenodd"})
+    assert shown == Paint((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), "evenodd", 2.5)
+    assert paint({"fill": "url(#g)"}).unresolved and not shown.unresolved
 
 
 @pytest.mark.parametrize(

@@ -47,7 +47,7 @@ def _tan(degrees):
 def controls(*children: Element, **attributes: str) -> np.ndarray:
     """The control points of all ink of an <svg> with these children."""
     ink = SvgReader(Element("svg", {"stroke": "black", "fill": "none", **attributes}, list(children))).ink
-    return np.concatenate([piece.curve.controls.reshape(-1, 2) for piece in ink])
+    return np.concatenate([curve.controls.reshape(-1, 2) for piece in ink for curve in piece.curves])
 
 
 def path(data: str = PATH, **attributes: str) -> Element:
@@ -158,7 +158,10 @@ def test_arcs_lie_on_their_ellipse(rx, ry, turn, large, sweep):
     start, end = np.array([0.0, 0.0]), np.array([0.6, 0.3])
     curve = path(f"M0 0A{rx} {ry} {turn} {int(large)} {int(sweep)} {end[0]} {end[1]}")
     points = (
-        SvgReader(Element("svg", {"stroke": "black", "fill": "none"}, [curve])).ink[0].curve.flattened(1e-5)
+        SvgReader(Element("svg", {"stroke": "black", "fill": "none"}, [curve]))
+        .ink[0]
+        .curves[0]
+        .flattened(1e-5)
     )
     np.testing.assert_allclose(points[[0, -1]], [start, end], atol=1e-9)
     unturned = points @ _rotation(turn)[:2, :2] / [rx, ry]

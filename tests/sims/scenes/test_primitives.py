@@ -15,6 +15,7 @@ from sims.scenes import (
     HeightMap,
     Plain,
     Plaster,
+    Post,
     Rectangle,
     Sphere,
     Wood,
@@ -58,6 +59,7 @@ BODIES = {
     "cylinder": lambda: CylinderPatch(
         _numbers(0.5, 0, 0.2), jnp.asarray(0.1), jnp.asarray(0.5), jnp.asarray(1.2), jnp.asarray(1.6), _grey()
     ),
+    "post": lambda: Post(_numbers(0.3, 0, 0.4), jnp.asarray(0.35), jnp.asarray(0.7), _grey()),
     "floor": lambda: Floor(jnp.asarray(0.1), _grey()),
     "field": _field,
 }
@@ -92,6 +94,10 @@ def _signed_distance(kind, body, points):
         return np.linalg.norm(points - np.asarray(body.center), axis=1) - float(body.radius)
     if kind == "cylinder":
         return np.linalg.norm((points - np.asarray(body.foot))[:, :2], axis=1) - float(body.radius)
+    if kind == "post":
+        local = points - np.asarray(body.foot)
+        half = 0.5 * float(body.height)
+        return np.maximum(np.hypot(*local[:, :2].T) - float(body.radius), np.abs(local[:, 2] - half) - half)
     if kind == "floor":
         return points[:, 2] - float(body.height)
     uv = jnp.asarray(np.stack([-points[:, 1], points[:, 2]], axis=1))
@@ -138,7 +144,12 @@ def test_normals_are_gradients_of_distance_to_the_surface(x64, strict_ranks, kin
 def test_rays_from_behind_pass_through(x64, strict_ranks, kind):
     body = BODIES[kind]()
     inside = {"rectangle": (0.4, 0, 0.9), "box": (0.3, 0, 1.0), "sphere": (0.4, 0.1, 1.0)}
-    inside |= {"cylinder": (0.5, 0, 1.0), "floor": (0, 0, -0.5), "field": (0.5, 0, 1.0)}
+    inside |= {
+        "cylinder": (0.5, 0, 1.0),
+        "floor": (0, 0, -0.5),
+        "post": (0.3, 0, 0.8),
+        "field": (0.5, 0, 1.0),
+    }
     towards = (0.0, 0.0, 1.0) if kind == "floor" else (-1.0, 0.0, 0.0)
     hits = _cast(body, jnp.tile(_numbers(*inside[kind]), (100, 1)), jnp.tile(_numbers(*towards), (100, 1)))
     assert not np.any(hits.valid) and np.all(np.isinf(hits.distance))
@@ -196,6 +207,27 @@ def test_the_rim_of_an_object_stops_a_ray_without_a_reading(x64, strict_ranks):
     start, along = _numbers(-1.0, 0.1, 1.0), _numbers(1.0, 0.0, 0.0)
     hits = _cast(holed, jnp.tile(start, (100, 1)), jnp.tile(along, (100, 1)))
     assert not np.any(hits.valid) and np.all(np.isfinite(hits.distance))
+
+
+def test_a_ray_passes_where_there_is_nothing(x64, strict_ranks):
+    field = _field()
+    empty = np.zeros(field.surface.depth.shape, dtype=bool)
+    empty[:, 30:40] = True
+    holed = HeightField(field.surface, field.near, field.far, _grey(), empty=jnp.asarray(empty))
+    start, along = jnp.tile(_numbers(-1.0, 0.1, 1.0), (100, 1)), jnp.tile(_numbers(1.0, 0.0, 0.0), (100, 1))
+    hits = _cast(holed, start, along)
+    assert not np.any(hits.valid) and np.all(np.isinf(hits.distance))
+    assert np.all(_cast(holed, start.at[:, 1].add(0.3), along).valid)
+
+
+def test_a_post_has_a_top_and_a_bottom(x64, strict_ranks):
+    post = BODIES["post"]()
+    starts = jnp.asarray([[0.4, 0.1, 2.0], [0.4, 0.1, -1.0], [0.7, 0.0, 2.0], [0.3, 0.6, 1.5]])
+    downs = jnp.asarray([[0, 0, -1.0], [0, 0, 1.0], [0, 0, -1.0], [0, -0.6, -0.8]])
+    hits = _cast(post, jnp.tile(starts, (25, 1)), jnp.tile(downs, (25, 1)))
+    # Down to the top at 1.1, up to the bottom at 0.4, past the side, and aslant over the top's rim at y 0.3.
+    np.testing.assert_allclose(hits.distance[:4], [0.9, 1.4, np.inf, 0.5])
+    np.testing.assert_allclose(hits.normal[:2], [[0, 0, 1], [0, 0, -1]])
 
 
 @pytest.mark.parametrize(

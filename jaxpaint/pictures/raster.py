@@ -1,0 +1,86 @@
+"""From pixels to a drawing: ink as centre-lines where it is line art, else as areas with sub-pixel rims."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import shapely
+from shapely.geometry.base import BaseGeometry
+
+from jaxpaint.errors import InputError
+from jaxpaint.pictures.drawing import Drawing, Polyline, is_closed
+from jaxpaint.pictures.ink import Ink, inks_of
+from jaxpaint.pictures.ink_settings import RasterSettings
+from jaxpaint.pictures.layers import Layer, laid, nothing
+from jaxpaint.pictures.pixels import read_pixels
+from jaxpaint.pictures.regions import filled
+from jaxpaint.pictures.skeleton import CentreLine, centre_lines, half_width, sampled
+
+MAX_RINGS = 5_000
+_TOLERANCE = 0.15  # pixels that rims and centre-lines may be simplified by
+_THIN = 0.04  # of the ink's longer side: wider lines are areas
+_EVEN = 1.6  # the wide parts of a line against its usual width
+_FILLS = (0.7, 1.3)  # length times width of lines, over the area of their ink
+_STUB = 2.0  # lines shorter than this many widths of their ink are dots
+
+
+def raster_drawing(path: Path, settings: RasterSettings) -> Drawing:
+    """The drawing of a PNG or JPEG file, in its pixels; v up. Raises InputError."""
+    settings.check()
+    pixels = read_pixels(path)
+    inks = inks_of(pixels, settings)
+    if not inks:
+        raise nothing()
+    layers = [_layer(ink, settings) for ink in inks]
+    # Inks do not cover each other; the paper's colour was left out when they were found.
+    return laid(layers, None, path.stem, dict.fromkeys(pixels.noted, 1))
+
+
+def _layer(ink: Ink, settings: RasterSettings) -> Layer:
+    mask = ink.field > 0
+    if settings.style != "area":
+        lines = centre_lines(mask)
+        if settings.style == "skeleton" or is_line_art(mask, lines):
+            return Layer(ink.colour, shapely.Polygon(), tuple(_polylines(lines, mask)))
+    return Layer(ink.colour, _area(ink.field))
+
+
+def is_line_art(mask: np.ndarray, lines: list[CentreLine]) -> bool:
+    """Whether ink is lines of an even width that is small against the picture's size."""
+    if not lines:
+        return False
+    half = half_width(mask) + 0.25  # pixels of a thin line's middle measure a little less than half of it
+    along = sampled(half, np.concatenate([line.points for line in lines]))
+    width, wide = 2 * np.quantile(along, [0.5, 0.9])
+    rows, columns = np.nonzero(mask)
+    size = max(np.ptp(rows), np.ptp(columns)) + 1
+    length = sum(np.linalg.norm(np.diff(line.points, axis=0), axis=1).sum() for line in lines)
+    covers = (length * width + len(lines) * width**2 / 2) / mask.sum()
+    return bool(width <= _THIN * size and wide <= _EVEN * width and _FILLS[0] <= covers <= _FILLS[1])
+
+
+def _polylines(lines: list[CentreLine], mask: np.ndarray) -> Iterator[Polyline]:
+    """Centre-lines with v up, without needless points."""
+    for line in lines:
+        points = np.array(shapely.LineString(line.points).simplify(_TOLERANCE).coords)
+        if is_closed(line.points):
+            points[-1] = points[0]
+        yield _up(points)
+
+
+def _up(points: Polyline) -> Polyline:
+    """From (column, row) of pixels' middles to u to the right, v up, the picture's top left at the origin."""
+    return (points + 0.5) * [1, -1]
+
+
+def _area(field: np.ndarray) -> BaseGeometry:
+    """Where a field is above 0, its rims found between pixels."""
+    from skimage.measure import find_contours
+
+    padded = np.pad(field, 1, constant_values=-max(float(field.max()), 1e-3))
+    rings = [ring[:, ::-1] - 1 for ring in find_contours(padded, 0.0)]
+    if len(rings) > MAX_RINGS:
+        found = f"found {len(rings)} separate patches of ink"
+        raise InputError(f"{found}; allowed are {MAX_RINGS} (leave out specks, or choose another threshold)")
+    closed = [_up(ring) for ring in rings if is_closed(ring) and len(ring) > 3]
+    return shapely.simplify(filled(closed, "evenodd"), _TOLERANCE)
