@@ -62,6 +62,7 @@ def report_data(task: PaintTask, mission: Mission, rows: Sequence[WorldScore]) -
         path=_path(task, mission, shown[0]),
         tracking=_tracking(task, mission),
         dropped=dropped_points([mission]),
+        palette=task.drawing.colours,
     )
 
 
@@ -79,7 +80,7 @@ def _shown(rows: Sequence[WorldScore]) -> list[int]:
 
 
 def _wall(task: PaintTask, mission: Mission, world: int, name: str) -> PaintedWall:
-    thickness = np.asarray(mission.laid.thickness[world])
+    thickness = mission.laid.thickness[world]
     cell, origin = float(task.grid.cell), np.asarray(task.grid.origin, float)
     rows, columns = task.grid.shape
     lower = origin - cell / 2
@@ -89,13 +90,12 @@ def _wall(task: PaintTask, mission: Mission, world: int, name: str) -> PaintedWa
 
 
 def _on_paint_grid(task: PaintTask) -> tuple[np.ndarray, np.ndarray]:
-    """The wanted picture and the surface, at the middles of the paint grid's cells."""
+    """The wanted picture, colour by colour, and the surface, at the middles of the paint grid's cells."""
     centres = np.asarray(task.grid.centres(), float)
     wanted = task.wanted
-    index = np.rint((centres - wanted.origin) / 0.001).astype(int)
-    column = np.clip(index[..., 0], 0, wanted.mask.shape[1] - 1)
-    row = np.clip(index[..., 1], 0, wanted.mask.shape[0] - 1)
-    return wanted.mask[row, column], wanted.on_surface[row, column]
+    index = wanted.index(centres.reshape(-1, 2)).reshape(task.grid.shape)
+    masks = np.stack([layer.mask.ravel()[index] for layer in wanted.layers])
+    return masks, wanted.on_surface.ravel()[index]
 
 
 def _path(task: PaintTask, mission: Mission, world: int) -> SurfacePath:

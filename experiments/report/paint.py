@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool
 
+from experiments.report.colours import Palette
 from experiments.report.page import Page, Section, Tile
 from experiments.report.painted_wall import PaintedWall, painted_wall
 from experiments.report.scores import SCORES, score_table, values_of
@@ -26,16 +27,18 @@ class ReportData:
     surface: cells on the wall, None for all.
     walls: the median world, then the worst, on the same grid.
     dropped: points that were not mapped, by cause.
+    palette: sRGB of the picture's colours [0..1]; of several, wanted and walls have them as leading axis.
     more: sections of the caller's own, such as the scan.
     """
 
-    wanted: Bool[np.ndarray, "rows columns"]
+    wanted: Bool[np.ndarray, "*colours rows columns"]
     walls: tuple[PaintedWall, ...]
     path: SurfacePath
     tracking: TrackingError
     surface: Bool[np.ndarray, "rows columns"] | None = None
     dropped: Mapping[str, int] = dataclasses.field(default_factory=dict)
     more: tuple[Section, ...] = ()
+    palette: Palette = ()
 
 
 def build_page(
@@ -52,7 +55,11 @@ def build_page(
         mood="good" if good == summary["worlds"] else "mixed" if good else "bad",
         tiles=_tiles(summary),
         sections=(
-            Section("Painted wall", " ".join(notes), (painted_wall(data.wanted, data.walls, data.surface),)),
+            Section(
+                "Painted wall",
+                " ".join(notes),
+                (painted_wall(data.wanted, data.walls, data.surface, data.palette),),
+            ),
             _path_section(data, summary["path"]),
             Section("Tracking", _tracking_text(summary), (tracking_error(data.tracking),)),
             _worlds_section(summary, worlds),

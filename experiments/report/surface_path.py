@@ -1,6 +1,7 @@
 """The brush path on the surface in space, with a plan view."""
 
 import dataclasses
+import itertools
 from collections.abc import Sequence
 from typing import Any
 
@@ -10,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from mpl_toolkits.mplot3d import Axes3D
 from mpl_toolkits.mplot3d.art3d import Line3DCollection
+from mpl_toolkits.mplot3d.proj3d import proj_transform
 
 from experiments.report.page import Figure
 from experiments.report.runs import runs
@@ -19,6 +21,10 @@ BRUSHES = 60
 """Brush directions shown."""
 BRUSH_LENGTH = 0.12
 """Length of a brush direction as drawn [m]."""
+FILLED = 0.86
+"""Share of the picture in space that is drawn on at most; the rest is for the labels of the axes."""
+LARGEST_ZOOM = 1.3
+"""Of the picture in space, where it is small in both directions."""
 PATCHES = 60
 """Patches of the surface along each side, at most."""
 
@@ -101,12 +107,24 @@ def _frame_space(axes: Axes3D, path: SurfacePath, tails: np.ndarray) -> None:
     span = np.maximum(high - low, 0.1)
     for limits, start, length in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), low, span, strict=True):
         limits(start, start + length)
-    axes.set_box_aspect(span, zoom=1.3)
     axes.view_init(elev=20, azim=-150)
+    axes.set_box_aspect(span)
+    axes.set_box_aspect(span, zoom=min(LARGEST_ZOOM, FILLED / _reach(axes, low, low + span)))
     axes.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")
     for axis, length in zip((axes.xaxis, axes.yaxis, axes.zaxis), span, strict=True):
         axis.set_major_locator(_ticks(length))
         axis.set_pane_color((1, 1, 1, 0))
+
+
+def _reach(axes: Axes3D, low: np.ndarray, high: np.ndarray) -> float:
+    """How far a box [m] goes out of the middle of the picture, 1 at its border; a tall one goes beyond it."""
+    corners = np.array(list(itertools.product(*zip(low, high, strict=True))))
+    across, up, _ = proj_transform(*corners.T, axes.get_proj())
+    left, bottom, right, top = axes.viewLim.extents
+    halves = (0.5 * (right - left), 0.5 * (top - bottom))
+    middles = (0.5 * (right + left), 0.5 * (top + bottom))
+    places = zip((across, up), middles, halves, strict=True)
+    return max(float(np.abs(np.asarray(x) - middle).max() / half) for x, middle, half in places)
 
 
 def _ticks(span: float):

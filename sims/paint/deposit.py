@@ -5,7 +5,7 @@ from typing import Self
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Array, Float, Int
 
 from sims.paint.applicator import Applicator
 from sims.paint.contact import Contact
@@ -13,23 +13,34 @@ from sims.paint.grid import PaintGrid
 
 
 class Paint(eqx.Module):
-    """What has been laid: film thickness on the grid [m], and the volume that went past the grid [m^3]."""
+    """What has been laid: film thickness on the grid [m], and the volume that went past the grid [m^3].
 
-    thickness: Float[Array, "rows columns"]
+    Paint of several colours has them as the leading axis of the thickness.
+    """
+
+    thickness: Float[Array, "*colours rows columns"]
     stray: Float[Array, ""]
 
     @classmethod
-    def bare(cls, grid: PaintGrid) -> Self:
-        """A wall without paint."""
-        return cls(thickness=jnp.zeros(grid.shape, grid.cell.dtype), stray=jnp.zeros((), grid.cell.dtype))
+    def bare(cls, grid: PaintGrid, colours: int | None = None) -> Self:
+        """A wall without paint; colours: how many there are, None for one that needs no axis."""
+        shape = grid.shape if colours is None else (colours, *grid.shape)
+        return cls(thickness=jnp.zeros(shape, grid.cell.dtype), stray=jnp.zeros((), grid.cell.dtype))
 
 
 def deposit(
-    paint: Paint, applicator: Applicator, grid: PaintGrid, contacts: Contact, *, window: int
+    paint: Paint,
+    applicator: Applicator,
+    grid: PaintGrid,
+    contacts: Contact,
+    *,
+    window: int,
+    colour: Int[Array, "time"] | None = None,
 ) -> Paint:
     """Adds what the applicator lays during these contacts (leading axis: time).
 
-    window: cells across the square around each contact, from `window_cells`. Contacts should follow each
+    window: cells across the square around each contact, from `window_cells`. colour: in hand at each contact,
+    an index into the leading axis of the thickness; the first where not given. Contacts should follow each
     other at half a brush radius or less. A contact with anything non-finite lays nothing. Deposits add up, so
     the order and the split into calls do not matter, and gradients reach every field of the contacts.
 
@@ -42,6 +53,10 @@ def deposit(
     high, wide = min(window, rows), min(window, columns)
     start, films = jax.vmap(lambda c: _window(applicator, grid, c, high, wide))(contacts)
     first = (start[:, 1, None] + jnp.arange(high)) * columns + start[:, 0, None]
+    if colour is not None:
+        # Sheets of all colours one above the other: as many windows as with one colour.
+        last = paint.thickness.size // (rows * columns) - 1
+        first = first + (jnp.clip(colour, 0, last) * (rows * columns))[:, None]
     flat = jax.lax.scatter_add(
         paint.thickness.reshape(-1),
         first.reshape(-1, 1),
@@ -52,7 +67,7 @@ def deposit(
         mode=jax.lax.GatherScatterMode.PROMISE_IN_BOUNDS,
     )
     stray = paint.stray + jax.vmap(lambda c: _stray(applicator, grid, c))(contacts).sum()
-    return Paint(thickness=flat.reshape(rows, columns), stray=stray)
+    return Paint(thickness=flat.reshape(paint.thickness.shape), stray=stray)
 
 
 def _drop_broken(contacts: Contact) -> Contact:

@@ -6,11 +6,12 @@ from sims.scoring.paint import PaintScore, score_paint, score_paint_worlds
 from sims.scoring.summary import WorldScore, summarise, world_scores
 from sims.scoring.surface import Chamfer, chamfer, surface_samples
 from sims.scoring.tracking import Tally, TrackingScore, accumulate, judge, tracking_score
-from sims.scoring.wanted import Wanted, wanted_area
+from sims.scoring.wanted import Layer, Wanted, wanted_area
 
 __all__ = [
     "Chamfer",
     "Histogram",
+    "Layer",
     "Log",
     "PaintScore",
     "Tally",

@@ -7,25 +7,28 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from jaxtyping import Bool, Float
-from scipy.spatial import KDTree
+from jaxtyping import Bool, Float, Int
 
 from sims.paint.grid import PaintGrid
-from sims.scoring.wanted import CELL, Wanted, densify
+from sims.scoring.ground import CELL
+from sims.scoring.stroke_error import edge_part, line_part, pooled, track
+from sims.scoring.wanted import Layer, Wanted
 
 PAINTED_SHARE = 0.2  # of the nominal film: thinner paint does not hide the wall
-_JUMP = 0.020  # between neighbouring samples of a brush that was moved, not swept [m]
 
 
 @dataclass(frozen=True)
 class PaintScore:
     """How well one wall was painted; NaN where a figure does not exist (nothing was painted).
 
-    coverage: share of the wanted area on the surface that got paint [1]. excess: painted area further than
-    5 mm outside the wanted area, over the wanted area [1]. thickness_cv: standard deviation over mean of the
-    film on the painted wanted area [1]. gap_length: bare length of centre-lines between painted stretches of
-    the same line [m]; bare ends and whole lines that were left out are a matter of coverage. stroke_error:
-    symmetric distance between the true pen-down brush centre and the centre-lines on the surface [m].
+    Every colour is judged by its own paint, whatever lies on top, and the colours are added up. coverage:
+    share of the wanted area on the surface that got paint of its colour [1]. excess: painted area further
+    than 5 mm outside the wanted area of that colour, also where another is wanted, over the wanted area [1].
+    thickness_cv: standard deviation over mean of the film on the painted wanted area [1]. gap_length: bare
+    length of centre-lines between painted stretches of the same line [m]; bare ends, whole lines that were
+    left out and all of the areas are a matter of coverage: 0 in a picture without lines. stroke_error:
+    symmetric distance [m], for lines between the true pen-down brush centre and the centre-lines on the
+    surface, for areas between the paint's boundary and theirs; pooled by the length of what is wanted.
     """
 
     coverage: float
@@ -39,30 +42,43 @@ class PaintScore:
 def score_paint(
     wanted: Wanted,
     grid: PaintGrid,
-    thickness: Float[np.ndarray, "rows columns"],
+    thickness: Float[np.ndarray, "*colours rows columns"],
     uv_brush: Float[np.ndarray, "time 2"],
     down: Bool[np.ndarray, "time"],
     *,
     film: float,
     stray: float = 0.0,
+    colour: Int[np.ndarray, "time"] | None = None,
 ) -> PaintScore:
     """All paint scores of one world.
 
-    thickness: film on `grid` [m]. uv_brush, down: true brush centre on the wall [m] in the order of time, and
-    whether it counts (live and pen down). film: nominal [m]. stray: volume laid past the grid [m^3], which
-    counts as excess at nominal thickness.
+    thickness: film on `grid` [m], of each colour of `wanted`; without the axis of colours there is one.
+    uv_brush, down: true brush centre on the wall [m] in the order of time, and whether it counts (live and
+    pen down). film: nominal [m]. stray: volume laid past the grid [m^3], which counts as excess at nominal
+    thickness. colour: in hand, the first one where not given.
     """
-    picture = _at_wanted_cells(thickness, grid, wanted)
+    films = thickness.reshape(-1, *thickness.shape[-2:])
+    if len(films) != len(wanted.layers):
+        raise ValueError(f"thickness: {len(films)} colours found, allowed: {len(wanted.layers)}, as wanted")
     least = PAINTED_SHARE * film
-    film_on_wanted = picture.ravel()[wanted.cells]
-    painted = film_on_wanted >= least
-    spilt = (picture >= least) & wanted.outside
-    mean, p95 = _stroke_error(wanted, _track(uv_brush, down))
+    covered, spilt, gap, on_wanted, parts = 0, 0, 0.0, [], []
+    for number, (layer, laid) in enumerate(zip(wanted.layers, films, strict=True)):
+        picture = _at_wanted_cells(laid, grid, wanted)
+        painted = picture >= least
+        under = picture.ravel()[layer.cells]
+        on_wanted.append(under[under >= least])
+        covered += len(on_wanted[-1])
+        spilt += np.count_nonzero(painted & layer.outside)
+        gap += sum(_gaps(line, painted.ravel()[wanted.index(line)]) for line in layer.lines)
+        in_hand = down if colour is None else down & (colour == number)
+        parts += _stroke_parts(wanted, layer, picture, track(uv_brush, in_hand), least)
+    mean, p95 = pooled(parts)
+    cells = sum(len(layer.cells) for layer in wanted.layers)
     return PaintScore(
-        coverage=float(painted.mean()),
-        excess=float((np.count_nonzero(spilt) * CELL**2 + stray / film) / wanted.area),
-        thickness_cv=_variation(film_on_wanted[painted]),
-        gap_length=sum(_gaps(line, picture.ravel()[wanted.index(line)] >= least) for line in wanted.lines),
+        coverage=float(covered / cells) if cells else 0.0,
+        excess=float((spilt * CELL**2 + stray / film) / wanted.area) if cells else 0.0,
+        thickness_cv=_variation(np.concatenate(on_wanted)),
+        gap_length=gap,
         stroke_error_mean=mean,
         stroke_error_p95=p95,
     )
@@ -71,24 +87,34 @@ def score_paint(
 def score_paint_worlds(
     wanted: Wanted,
     grid: PaintGrid,
-    thickness: Float[np.ndarray, "worlds rows columns"],
+    thickness: Float[np.ndarray, "worlds *colours rows columns"],
     uv_brush: Float[np.ndarray, "worlds time 2"],
     down: Bool[np.ndarray, "worlds time"],
     *,
     film: float,
     stray: Float[np.ndarray, "worlds"] | None = None,
+    colour: Int[np.ndarray, "worlds time"] | None = None,
 ) -> list[PaintScore]:
     """`score_paint` for many worlds, on as many threads as there are cores."""
     lost: Sequence[float] = np.zeros(len(thickness)).tolist() if stray is None else np.asarray(stray).tolist()
     # Made once, before threads would make them several times over.
-    _ = wanted.cells, wanted.outside, wanted.area
+    _ = wanted.area, [(layer.cells, layer.line_length) for layer in wanted.layers]
 
     def one(world: int) -> PaintScore:
-        track = uv_brush[world], down[world]
-        return score_paint(wanted, grid, thickness[world], *track, film=film, stray=lost[world])
+        swept = uv_brush[world], down[world]
+        hand = None if colour is None else colour[world]
+        return score_paint(wanted, grid, thickness[world], *swept, film=film, stray=lost[world], colour=hand)
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         return list(pool.map(one, range(len(thickness))))
+
+
+def _stroke_parts(wanted: Wanted, layer: Layer, picture: np.ndarray, swept: np.ndarray, least: float):
+    found = (
+        line_part(layer, wanted.ground, swept),
+        edge_part(layer, wanted.ground, picture, least, wanted.radius),
+    )
+    return [part for part in found if part is not None]
 
 
 def _at_wanted_cells(thickness: np.ndarray, grid: PaintGrid, wanted: Wanted) -> np.ndarray:
@@ -96,7 +122,7 @@ def _at_wanted_cells(thickness: np.ndarray, grid: PaintGrid, wanted: Wanted) -> 
     cell, origin = float(grid.cell), np.asarray(grid.origin, float)
     scale, shift = CELL / cell, (wanted.origin - origin) / cell
     to_source = np.array([[scale, 0, shift[0]], [0, scale, shift[1]]])
-    rows, columns = wanted.centre_distance.shape
+    rows, columns = wanted.ground.shape
     flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
     source = np.nan_to_num(np.asarray(thickness, np.float32), posinf=0)
     return cv2.warpAffine(source, to_source, (columns, rows), flags=flags, borderMode=cv2.BORDER_REPLICATE)
@@ -117,25 +143,3 @@ def _gaps(line: np.ndarray, painted: np.ndarray) -> float:
     between = np.arange(len(line))
     inside = ring | ((between > first) & (between < last))
     return float(share[inside & ~painted].sum())
-
-
-def _track(uv: np.ndarray, down: np.ndarray) -> np.ndarray:
-    """The swept brush centre at even steps of a cell, so that a brush at rest weighs no more."""
-    down = down & np.isfinite(uv).all(1)
-    near = np.linalg.norm(np.diff(np.where(down[:, None], uv, 0), axis=0), axis=1) < _JUMP
-    cuts = np.flatnonzero(~(down[1:] & down[:-1] & near)) + 1
-    pieces = [p for p, d in zip(np.split(uv, cuts), np.split(down, cuts), strict=True) if d[0]]
-    return np.concatenate([densify(p, CELL) for p in pieces]) if pieces else np.zeros((0, 2))
-
-
-def _stroke_error(wanted: Wanted, track: np.ndarray) -> tuple[float, float]:
-    """Mean and 95th percentile [m] of the distances both ways, each way with half of the weight."""
-    if not len(track):
-        return float("nan"), float("nan")
-    to_lines = wanted.tree.query(track)[0]
-    to_track = KDTree(track).query(wanted.tree.data)[0]
-    distances = np.concatenate([to_lines, to_track])
-    weights = np.repeat([0.5 / len(to_lines), 0.5 / len(to_track)], [len(to_lines), len(to_track)])
-    order = np.argsort(distances)
-    p95 = distances[order][np.searchsorted(np.cumsum(weights[order]), 0.95)]
-    return float((distances * weights).sum()), float(p95)

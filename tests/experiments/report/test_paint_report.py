@@ -16,6 +16,7 @@ from experiments.report import (
     Page,
     Section,
     Spread,
+    SurfacePath,
     Tile,
     TrackingError,
     paint,
@@ -190,6 +191,22 @@ def test_holes_in_the_surface_are_left_open(made_up, coarse):
     surface = path.surface.copy()
     surface[5:9, 10:20] = np.nan
     assert surface_path(dataclasses.replace(path, surface=surface)).image
+
+
+def test_a_tall_narrow_picture_is_shown_to_its_top(coarse):
+    u, v = np.meshgrid(np.linspace(-0.2, 0.2, 12), np.linspace(0.2, 2.4, 24))
+    climb = np.linspace(0.25, 2.35, 300)
+    path = SurfacePath(
+        p_map=np.stack([0 * climb, 0.1 * np.sin(9 * climb), climb], axis=-1),
+        normal=np.tile([-1.0, 0.0, 0.0], (300, 1)),
+        pen=np.ones(300, bool),
+        surface=np.stack([0 * u, -u, v], axis=-1),
+        base=np.asarray([[-0.9, -0.2], [-0.9, 0.2]]),
+    )
+    image = np.asarray(Image.open(io.BytesIO(surface_path(path).image)).convert("RGB")).astype(int)
+    space = image[:, : int(0.55 * image.shape[1])]
+    rows = np.flatnonzero((np.abs(space - (31, 95, 191)).sum(-1) < 20).any(axis=1))
+    assert rows[0] > 0.085 * len(image)
 
 
 def test_the_error_of_pen_up_travel_sets_no_scale(made_up):

@@ -77,6 +77,19 @@ def test_run_in_parts_is_the_run():
     np.testing.assert_allclose(parts.stray, whole.stray, rtol=1e-4)
 
 
+def test_colours_lie_on_sheets_of_their_own():
+    grid, contacts = small_grid(), wiggle(STEPS)
+    colour = jnp.asarray(np.arange(STEPS) * 3 // STEPS)
+    sheets = jax.jit(partial(deposit, window=WINDOW))(
+        Paint.bare(grid, 3), Brush(), grid, contacts, colour=colour
+    )
+    assert sheets.thickness.shape == (3, *grid.shape)
+    for number, sheet in enumerate(sheets.thickness):
+        own = replace(contacts, duration=jnp.where(colour == number, contacts.duration, 0))
+        np.testing.assert_allclose(sheet, lay(own, Brush(), grid).thickness, rtol=1e-5, atol=1e-12)
+    np.testing.assert_allclose(sheets.stray, lay(contacts, Brush(), grid).stray, rtol=1e-5)
+
+
 def test_broken_contacts_lay_nothing():
     grid, contacts = small_grid(), wiggle(6)
     broken = replace(contacts, uv=contacts.uv.at[1].set(jnp.nan), height=contacts.height.at[2].set(jnp.inf))

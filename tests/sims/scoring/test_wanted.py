@@ -7,7 +7,8 @@ import pytest
 from jaxpaint.errors import InputError
 from jaxpaint.mapping.canvas import Canvas
 from sims.scoring import wanted_area
-from sims.scoring.wanted import CELL, densify
+from sims.scoring.ground import CELL
+from sims.scoring.lines import densify
 
 CANVAS = Canvas(jnp.asarray([-1.0, 0.0, 0.0]), jnp.asarray(0.0), jnp.asarray([1.2, 0.6]))
 LINE = np.asarray([[-0.4, 0.0], [0.4, 0.0]])
@@ -20,10 +21,10 @@ def at(wanted, picture, u, v):
 
 def test_line_on_a_flat_wall(plane):
     wanted = wanted_area([LINE], plane(), CANVAS, EXTENT, 0.010)
-    assert wanted.centre_distance.shape == (400, 1200)
+    assert wanted.ground.shape == (400, 1200)
     assert wanted.area == pytest.approx(0.8 * 0.02 + np.pi * 0.01**2, rel=0.01)
-    assert at(wanted, wanted.centre_distance, 0.1, 0.0705) == pytest.approx(0.07, abs=0.001)
-    assert at(wanted, wanted.centre_distance, 0.5, 0.0) == pytest.approx(0.1, abs=0.001)
+    assert at(wanted, wanted.layers[0].centre_distance, 0.1, 0.0705) == pytest.approx(0.07, abs=0.001)
+    assert at(wanted, wanted.layers[0].centre_distance, 0.5, 0.0) == pytest.approx(0.1, abs=0.001)
     assert at(wanted, wanted.mask, 0.3, 0.008)
     assert not at(wanted, wanted.mask, 0.3, 0.012)
 
@@ -69,7 +70,7 @@ def test_line_that_jumps_to_another_sheet_is_cut(plane):
 
 def test_lines_past_the_wall_are_an_error(plane):
     away = Canvas(jnp.asarray([-1.0, 0.0, 0.0]), jnp.asarray(np.pi), jnp.asarray([1.2, 0.6]))
-    with pytest.raises(InputError, match="no line of the picture meets the wall"):
+    with pytest.raises(InputError, match="no ink of the picture meets the wall"):
         wanted_area([LINE], plane(), away, EXTENT, 0.010)
 
 
