@@ -3,21 +3,17 @@
 import jax.numpy as jnp
 
 from jaxpaint.kinematics.chain import forward
-from jaxpaint.kinematics.steering import SteeringGeometry
 from opt.wbc import RobotLimits
 from sims.robots import Robot
 
 
 def robot_limits(robot: Robot) -> RobotLimits:
-    """The chain, the limits and the steering of a robot."""
+    """The chain, the limits and the drive of a robot."""
     base = robot.base_size
     brush = forward(robot.chain, robot.at_home(jnp.zeros(3))).p
-    wheels = robot.wheels
     return RobotLimits(
         chain=robot.chain,
-        steering=SteeringGeometry(
-            wheels.position, wheels.radius, wheels.steer_speed, wheels.drive_speed * wheels.radius
-        ),
+        drive=robot.drive,
         home=brush[:2],
         base_speed=robot.speed_limit[:base],
         base_acceleration=robot.acceleration_limit[:base],

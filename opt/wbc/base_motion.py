@@ -8,7 +8,8 @@ from jaxtyping import Array, Float
 
 from jaxpaint.decisions.halting import HaltState, update_halt
 from jaxpaint.decisions.thresholds import Thresholds
-from jaxpaint.kinematics.steering import SteeringGeometry, contact_velocity, wrap
+from jaxpaint.kinematics.drives import AbstractDrive
+from jaxpaint.kinematics.steering import wrap
 from opt.wbc.settings import ControllerSettings
 
 # A base nearer to its station than this has arrived [m].
@@ -50,7 +51,7 @@ class Situation(eqx.Module):
 def demand_base(
     situation: Situation,
     wheel_angle: Float[Array, "w"],
-    geometry: SteeringGeometry,
+    drive: AbstractDrive,
     speed_limit: Float[Array, "3"],
     state: HaltState,
     thresholds: Thresholds,
@@ -86,7 +87,7 @@ def demand_base(
         * jnp.minimum(1.0, 1 / jnp.maximum((jnp.abs(velocity) / speed_limit).max(), 1e-9))
         * (1 - arrived)
     )
-    ready = _alignment(geometry, body_twist(velocity, s.base[2]), wheel_angle)
+    ready = drive.readiness(body_twist(velocity, s.base[2]), wheel_angle)
     return BaseDemand(velocity, free * jnp.where(ruled > 0, ready, 1.0), free, halt)
 
 
@@ -107,15 +108,6 @@ def stretch(
     ahead = body_twist(jnp.stack([brush[0] - base[0], brush[1] - base[1], heading]), base[2])
     turn = wrap(heading - base[2]) * lever
     return _length(jnp.stack([ahead[0] - home[0], ahead[1] - home[1], turn]))
-
-
-def _alignment(geometry, twist: Float[Array, "3"], angle: Float[Array, "w"]) -> Float[Array, ""]:
-    """1 when every wheel points along its demanded velocity (either way), 0 from 18 degrees off."""
-    v = contact_velocity(geometry, twist)
-    along = jnp.abs(v[:, 0] * jnp.cos(angle) + v[:, 1] * jnp.sin(angle))
-    size = jnp.sqrt((v**2).sum(-1) + 1e-12)
-    worst = jnp.where(size > 1e-3, along / size, 1.0).min()
-    return jnp.clip((worst - 0.95) / 0.04, 0.0, 1.0)
 
 
 def _length(vector: Float[Array, "n"]) -> Float[Array, ""]:

@@ -8,8 +8,8 @@ from jaxtyping import Array, Float
 from jaxpaint.decisions.halting import HaltState, initial_halt
 from jaxpaint.decisions.thresholds import Thresholds
 from jaxpaint.kinematics.chain import KinematicChain, jacobian
+from jaxpaint.kinematics.drives import AbstractDrive
 from jaxpaint.kinematics.manipulability import manipulability_gradient
-from jaxpaint.kinematics.steering import SteeringGeometry
 from opt.controller import Command, Controller, Decision, Measured
 from opt.plan import Samples
 from opt.qp import QuadraticProgram, solve_qp
@@ -29,7 +29,7 @@ class RobotLimits(eqx.Module):
     """
 
     chain: KinematicChain
-    steering: SteeringGeometry
+    drive: AbstractDrive
     home: Float[Array, "2"]
     base_speed: Float[Array, "3"]
     base_acceleration: Float[Array, "3"]
@@ -113,7 +113,7 @@ class WholeBodyController(Controller):
         return demand_base(
             situation,
             measured.wheel_angle,
-            self.robot.steering,
+            self.robot.drive,
             self.robot.base_speed,
             memory.halt,
             self.thresholds,

@@ -24,7 +24,7 @@ class ControllerSettings(eqx.Module):
     position_gain: Float[Array, ""]
     orientation_gain: Float[Array, ""]
     slack_cost: Float[Array, "6"]
-    arm_effort: Float[Array, "6"]
+    arm_effort: Float[Array, "a"]
     base_effort: Float[Array, "3"]
     manipulability: Float[Array, ""]
     base_follow: Float[Array, ""]
@@ -36,13 +36,13 @@ class ControllerSettings(eqx.Module):
     qp_smoothing: Float[Array, ""]
 
 
-def default_settings() -> ControllerSettings:
-    """The settings that every published figure of this project uses."""
+def default_settings(arm_joints: int = 6) -> ControllerSettings:
+    """The settings that every published figure of this project uses, for an arm of that many joints."""
     numbers = {
         "position_gain": 4.0,
         "orientation_gain": 4.0,
         "slack_cost": [1e4, 1e4, 1e4, 1e3, 1e3, 1e-1],
-        "arm_effort": [0.01] * 6,
+        "arm_effort": [0.01] * arm_joints,
         "base_effort": [0.3, 0.3, 0.3],
         "manipulability": 0.01,
         "base_follow": 1.0,

@@ -1,7 +1,9 @@
-"""Robots, described by MJCF: the kinematic chain, the limits and the body, read from the compiled model."""
+"""Robots, described by MJCF or URDF: chain, limits and body, read from the compiled model."""
 
-from sims.robots.load import load_robot, robot_model
+from sims.robots.checks import check_can_paint
+from sims.robots.load import load_robot
 from sims.robots.model import chain_from_model
-from sims.robots.robot import Robot, Wheels
+from sims.robots.read import robot_model
+from sims.robots.robot import Robot
 
-__all__ = ["Robot", "Wheels", "chain_from_model", "load_robot", "robot_model"]
+__all__ = ["Robot", "chain_from_model", "check_can_paint", "load_robot", "robot_model"]

@@ -18,8 +18,9 @@ def spheres_from_model(model: mujoco.MjModel, joints: Sequence[int]) -> Spheres:
     """The body as spheres that ride on `joints`.
 
     Capsules and cylinders become rows of spheres along their axis, a radius apart (a cylinder's flat ends
-    gain a radius), boxes points along their edges, everything else one sphere. Left out: geoms of group 2
-    (pictures), and those whose name begins with `brush`, which touches the wall on purpose.
+    gain a radius), boxes points along their edges, meshes rows along their longest side that hold all their
+    vertices, everything else one sphere. Left out: geoms of group 2
+    (pictures), and those whose name or whose body's name begins with `brush`: it touches the wall on purpose.
     """
     links, bodies = link_frames(model, joints), body_frames(model)
     frame, center, radius = [], [], []
@@ -66,7 +67,8 @@ def _link_of(model: mujoco.MjModel, body: int, joints: Sequence[int]) -> int | N
 
 
 def _is_brush(model: mujoco.MjModel, geom: int) -> bool:
-    return model.geom(geom).name.startswith("brush")
+    body = model.body(int(model.geom_bodyid[geom]))
+    return model.geom(geom).name.startswith("brush") or body.name.startswith("brush")
 
 
 def _cover(model: mujoco.MjModel, geom: int) -> tuple[np.ndarray, float]:
@@ -78,7 +80,27 @@ def _cover(model: mujoco.MjModel, geom: int) -> tuple[np.ndarray, float]:
         return np.linspace([0, 0, -half], [0, 0, half], count), radius
     if kind == mujoco.mjtGeom.mjGEOM_BOX:
         return _edge_points(size), 0.0
+    if kind == mujoco.mjtGeom.mjGEOM_MESH:
+        return _row_around(_vertices(model, geom))
     return np.zeros((1, 3)), float(model.geom_rbound[geom])
+
+
+def _vertices(model: mujoco.MjModel, geom: int) -> np.ndarray:
+    mesh = model.geom_dataid[geom]
+    first, count = model.mesh_vertadr[mesh], model.mesh_vertnum[mesh]
+    return np.asarray(model.mesh_vert[first : first + count], float)
+
+
+def _row_around(vertices: np.ndarray) -> tuple[np.ndarray, float]:
+    """Spheres in a row along the longest side of the vertices' box, the smallest that hold every vertex."""
+    low, high = vertices.min(0), vertices.max(0)
+    axis = int(np.argmax(high - low))
+    across = float(np.linalg.norm(np.delete(vertices - (low + high) / 2, axis, 1), axis=1).max())
+    count = int(np.ceil((high - low)[axis] / max(across, 1e-3))) + 1
+    points = np.tile((low + high) / 2, (count, 1))
+    points[:, axis] = np.linspace(low[axis], high[axis], count) if count > 1 else points[:, axis]
+    nearest = np.linalg.norm(vertices[:, None] - points[None], axis=-1).min(axis=1)
+    return points, float(nearest.max())
 
 
 def _edge_points(half: np.ndarray) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Reads a robot from its MJCF file."""
+"""Reads a robot from its file."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -8,44 +8,40 @@ import mujoco
 import numpy as np
 
 from jaxpaint.errors import InputError
-from jaxpaint.kinematics import KinematicChain, Pose
+from jaxpaint.kinematics import KinematicChain, Pose, frames
 from sims.robots.body import footprint_from_model, spheres_from_model
-from sims.robots.model import body_frames, chain_from_model, find, joints_to, matrix
-from sims.robots.robot import Robot, Wheels
+from sims.robots.home import painting_posture
+from sims.robots.inertia import inertia_from_model, torque_limits
+from sims.robots.model import body_frames, chain_from_model, find, joints_to, matrix, numeric
+from sims.robots.read import BRUSH, CAMERA, LIDAR, REFERENCE, robot_model
+from sims.robots.robot import Robot
+from sims.robots.servos import speed_of
+from sims.robots.urdf import BASE_JOINTS
+from sims.robots.wheels import drive_from_model
 
-REFERENCE = Path(__file__).with_name("reference.xml")
-
-BASE_JOINTS = ("base_x", "base_y", "base_yaw")
-CORNERS = ("fl", "fr", "rl", "rr")
-
-# For an MJCF that does not say: no actuator on a joint, no numeric, no wheels.
+# For a file that does not say: no actuator on a joint, no numeric.
 _BASE_SPEED, _ARM_SPEED = (0.5, 0.5, 1.0), np.pi
 _BASE_ACCELERATION, _ARM_ACCELERATION = (0.5, 0.5, 1.0), 8.0
-_WHEEL_RADIUS, _STEER_SPEED, _DRIVE_SPEED = 0.1, 3.0, 12.0
+# Arms of fewer joints hold a brush in few postures only: none is searched.
+_LEAST_SEARCHED = 6
+# A joint without a range may go this far either way [rad or m]: a number, so that no gradient is NaN.
+_NO_LIMIT = 100.0
 
 
-def robot_model(path: Path | str | None = None) -> mujoco.MjModel:
-    """The compiled model of an MJCF file, by default the reference robot's."""
-    path = REFERENCE if path is None else Path(path)
-    if not path.is_file():
-        raise InputError(f"robot {path}: no such file; expected an MJCF (.xml)")
-    try:
-        return mujoco.MjModel.from_xml_path(str(path))
-    except ValueError as error:
-        first = str(error).strip().splitlines()[0]
-        raise InputError(f"robot {path}: not an MJCF that MuJoCo compiles: {first}") from error
+def load_robot(
+    path: Path | str | None = None, *, brush_site: str = BRUSH, camera_site: str = CAMERA
+) -> Robot:
+    """The robot of an MJCF or URDF file, by default the reference robot. At length: docs/robots.md.
 
-
-def load_robot(path: Path | str | None = None) -> Robot:
-    """The robot of an MJCF file, by default the reference robot.
-
-    The file has slides `base_x`, `base_y` and a hinge `base_yaw` at the root, in this order, an arm of hinges
-    behind them that carries the sites `brush` (z out of the tool) and `camera` (OpenCV axes), and a keyframe
-    `home`. Speed limits are the control ranges of velocity actuators; accelerations the numerics
-    `base_acceleration` and `arm_acceleration`. Optional, else as the reference robot's: joints `steer_fl`,
-    `wheel_fl`, and so on; else at the base's origin: site `lidar`.
+    Joints: slides `base_x`, `base_y` and a hinge `base_yaw` at the root, in this order (a URDF gets them),
+    then the arm's, of which any number. Sites, or links, of these names or of those given: `brush` (z out of
+    the tool), `camera` on the same link (OpenCV axes); `lidar`, else at the base's origin. Wheels: joints
+    `steer_NAME` and `wheel_NAME` in pairs are steered, `wheel_NAME` alone are mecanum (numeric
+    `roller_angle`), none make a holonomic base. Speed limits are the control ranges of velocity actuators,
+    or a URDF's; accelerations the numerics `base_acceleration` and `arm_acceleration`. The keyframe `home` is
+    the painting posture, else one is searched. Raises InputError.
     """
-    model = robot_model(path)
+    model = robot_model(path, brush_site=brush_site, camera_site=camera_site)
     try:
         return robot_from_model(model)
     except InputError as error:
@@ -56,24 +52,33 @@ def robot_from_model(model: mujoco.MjModel) -> Robot:
     """The robot of a compiled model: see `load_robot`."""
     for name in BASE_JOINTS:
         find(model, mujoco.mjtObj.mjOBJ_JOINT, name)
-    brush = find(model, mujoco.mjtObj.mjOBJ_SITE, "brush")
+    brush = find(model, mujoco.mjtObj.mjOBJ_SITE, BRUSH)
     joints = joints_to(model, int(model.site_bodyid[brush]))
-    chain = chain_from_model(model, "brush")
+    chain = chain_from_model(model, BRUSH)
     _check(model, chain)
     arm = joints[len(BASE_JOINTS) :]
     lower, upper = _limits(model, arm)
+    spheres = spheres_from_model(model, joints)
+    footprint = footprint_from_model(model, joints, len(BASE_JOINTS))
+    home = _home(model, arm)
+    if home is None and len(arm) < _LEAST_SEARCHED:
+        raise InputError("no keyframe named 'home'; it gives the arm's painting posture")
+    if home is None:
+        home = painting_posture(chain, spheres, lower, upper, float(footprint[:, 0].max()))
     return Robot(
         chain=chain,
-        home=jnp.asarray(_home(model, arm)),
+        home=jnp.asarray(home),
         lower=jnp.asarray(lower),
         upper=jnp.asarray(upper),
         speed_limit=jnp.asarray(_speed_limits(model, joints)),
         acceleration_limit=jnp.asarray(_acceleration_limits(model, len(arm))),
-        T_brush_camera=_between_sites(model, "brush", "camera"),
+        T_brush_camera=_between_sites(model, BRUSH, CAMERA),
         T_base_lidar=_lidar(model, joints),
-        wheels=_wheels(model),
-        footprint=jnp.asarray(footprint_from_model(model, joints, len(BASE_JOINTS))),
-        spheres=spheres_from_model(model, joints),
+        drive=drive_from_model(model),
+        footprint=jnp.asarray(footprint),
+        spheres=spheres,
+        inertia=inertia_from_model(model, joints),
+        torque_limit=jnp.asarray(torque_limits(model, joints)),
     )
 
 
@@ -87,58 +92,40 @@ def _check(model: mujoco.MjModel, chain: KinematicChain) -> None:
         raise InputError(
             f"{', '.join(BASE_JOINTS)} are {', '.join(chain.kinds[:3])}; allowed: slide, slide, hinge"
         )
-    find(model, mujoco.mjtObj.mjOBJ_SITE, "camera")
+    _check_base_axes(chain)
+    find(model, mujoco.mjtObj.mjOBJ_SITE, CAMERA)
+
+
+def _check_base_axes(chain: KinematicChain) -> None:
+    """The base's joints act along x, along y and about z of the map."""
+    axes = np.asarray(frames(chain, jnp.zeros(chain.size)).R)[:3, :, 2]
+    if np.abs(axes - np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1]])).max() > 1e-4:
+        raise InputError(
+            f"{', '.join(BASE_JOINTS)} act along {axes.round(3).tolist()}; allowed: x, y and z of the world"
+        )
 
 
 def _limits(model: mujoco.MjModel, joints: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:
     limited = model.jnt_limited[joints].astype(bool)[:, None]
-    free = np.array([-2 * np.pi, 2 * np.pi])
-    ranges = np.where(limited, model.jnt_range[joints], free)
+    ranges = np.where(limited, model.jnt_range[joints], np.array([-_NO_LIMIT, _NO_LIMIT]))
     return ranges[:, 0], ranges[:, 1]
 
 
-def _home(model: mujoco.MjModel, joints: Sequence[int]) -> np.ndarray:
+def _home(model: mujoco.MjModel, joints: Sequence[int]) -> np.ndarray | None:
+    """The arm's part of the keyframe `home`, None where there is none."""
     key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, "home")
-    if key < 0:
-        raise InputError("no keyframe named 'home'; it gives the arm's painting posture")
-    return model.key_qpos[key][model.jnt_qposadr[joints]]
+    return None if key < 0 else model.key_qpos[key][model.jnt_qposadr[joints]]
 
 
 def _speed_limits(model: mujoco.MjModel, joints: Sequence[int]) -> np.ndarray:
     defaults = [*_BASE_SPEED, *[_ARM_SPEED] * (len(joints) - 3)]
-    return np.array([_control_range(model, j, default) for j, default in zip(joints, defaults, strict=True)])
-
-
-def _control_range(model: mujoco.MjModel, joint: int, default: float) -> float:
-    """The speed that the velocity servo of a joint can be told [rad/s or m/s]."""
-    for a in range(model.nu):
-        drives_joint = model.actuator_trntype[a] == int(mujoco.mjtTrn.mjTRN_JOINT)
-        # a servo's bias is -gain times what it follows: (offset, position, velocity)
-        follows_speed = model.actuator_biasprm[a, 1] == 0 and model.actuator_biasprm[a, 2] < 0
-        if (
-            drives_joint
-            and model.actuator_trnid[a, 0] == joint
-            and follows_speed
-            and model.actuator_ctrllimited[a]
-        ):
-            return float(np.abs(model.actuator_ctrlrange[a]).min())
-    return default
+    return np.array([speed_of(model, j, default) for j, default in zip(joints, defaults, strict=True)])
 
 
 def _acceleration_limits(model: mujoco.MjModel, arm_size: int) -> np.ndarray:
-    base = _numeric(model, "base_acceleration", np.array(_BASE_ACCELERATION))
-    arm = _numeric(model, "arm_acceleration", np.full(arm_size, _ARM_ACCELERATION))
+    base = numeric(model, "base_acceleration", np.array(_BASE_ACCELERATION))
+    arm = numeric(model, "arm_acceleration", np.full(arm_size, _ARM_ACCELERATION))
     return np.concatenate([base, arm])
-
-
-def _numeric(model: mujoco.MjModel, name: str, default: np.ndarray) -> np.ndarray:
-    index = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_NUMERIC, name)
-    if index < 0:
-        return default
-    found = model.numeric(name).data
-    if found.shape != default.shape or not (found > 0).all():
-        raise InputError(f"numeric '{name}' is {found.tolist()}; allowed: {len(default)} positive numbers")
-    return found
 
 
 def _site_frame(model: mujoco.MjModel, name: str) -> np.ndarray:
@@ -159,29 +146,6 @@ def _between_sites(model: mujoco.MjModel, a: str, b: str) -> Pose:
 
 def _lidar(model: mujoco.MjModel, joints: Sequence[int]) -> Pose:
     base = body_frames(model)[model.jnt_bodyid[joints[2]]]
-    if mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SITE, "lidar") < 0:
+    if mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SITE, LIDAR) < 0:
         return _pose(np.eye(4))
-    return _pose(np.linalg.inv(base) @ _site_frame(model, "lidar"))
-
-
-def _wheels(model: mujoco.MjModel) -> Wheels:
-    """The steered wheels where the file has them, else those of the reference robot."""
-    ids = [mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, f"steer_{c}") for c in CORNERS]
-    if min(ids) < 0:
-        return _wheels(robot_model())
-    drives = [find(model, mujoco.mjtObj.mjOBJ_JOINT, f"wheel_{c}") for c in CORNERS]
-    base = model.jnt_bodyid[find(model, mujoco.mjtObj.mjOBJ_JOINT, "base_yaw")]
-    frames = body_frames(model)
-    centers = [(np.linalg.inv(frames[base]) @ frames[model.jnt_bodyid[j]])[:2, 3] for j in ids]
-    return Wheels(
-        position=jnp.asarray(np.stack(centers)),
-        radius=jnp.asarray(np.array(_wheel_radius(model, drives[0]))),
-        steer_speed=jnp.asarray(np.array(_control_range(model, ids[0], _STEER_SPEED))),
-        drive_speed=jnp.asarray(np.array(_control_range(model, drives[0], _DRIVE_SPEED))),
-    )
-
-
-def _wheel_radius(model: mujoco.MjModel, drive: int) -> float:
-    body = model.jnt_bodyid[drive]
-    geoms = range(model.body_geomadr[body], model.body_geomadr[body] + model.body_geomnum[body])
-    return float(max((model.geom_size[g, 0] for g in geoms), default=_WHEEL_RADIUS))
+    return _pose(np.linalg.inv(base) @ _site_frame(model, LIDAR))

@@ -47,6 +47,17 @@ def find(model: mujoco.MjModel, kind: mujoco.mjtObj, name: str) -> int:
     return index
 
 
+def numeric(model: mujoco.MjModel, name: str, default: np.ndarray) -> np.ndarray:
+    """The positive numbers of a custom numeric, as many as the default has, which stands in where none is."""
+    index = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_NUMERIC, name)
+    if index < 0:
+        return default
+    found = model.numeric(name).data
+    if found.shape != default.shape or not (found > 0).all():
+        raise InputError(f"numeric '{name}' is {found.tolist()}; allowed: {len(default)} positive numbers")
+    return found
+
+
 def names_of(model: mujoco.MjModel, kind: mujoco.mjtObj) -> list[str]:
     """The names of all objects of a kind."""
     count = {mujoco.mjtObj.mjOBJ_SITE: model.nsite, mujoco.mjtObj.mjOBJ_JOINT: model.njnt}[kind]

@@ -4,20 +4,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from jaxpaint.kinematics import KinematicChain, Pose, Spheres, arm_chain, with_tool
-
-
-class Wheels(eqx.Module):
-    """Four steered wheels, front left, front right, rear left, rear right.
-
-    position: steering axes (a_i, b_i) in the base frame [m], offset l = 0. radius [m]. steer_speed,
-    drive_speed: limits of the steering and of the driving joints [rad/s].
-    """
-
-    position: Float[Array, "4 2"]
-    radius: Float[Array, ""]
-    steer_speed: Float[Array, ""]
-    drive_speed: Float[Array, ""]
+from jaxpaint.kinematics import AbstractDrive, Inertia, KinematicChain, Pose, Spheres, arm_chain, with_tool
 
 
 class Robot(eqx.Module):
@@ -26,9 +13,10 @@ class Robot(eqx.Module):
     chain: from the map to the brush, joints (base_x, base_y, base_yaw, arm...). The base's frame lies on the
     floor, x forwards. home: the arm's painting posture [rad]. lower, upper: the arm's limits [rad].
     speed_limit, acceleration_limit: of all joints (base first) [m/s, rad/s, and per second]. T_brush_camera:
-    axes of both z along the tool, the camera's y down when the brush's is. T_base_lidar. footprint: corners
-    of the base's rectangle in its frame, front left first, counter-clockwise [m]. spheres: the body without
-    the brush, for clearance.
+    axes of both z along the tool, the camera's y down when the brush's is. T_base_lidar. drive: how the base
+    rolls. footprint: corners of the base's rectangle in its frame, front left first, counter-clockwise [m].
+    spheres: the body without the brush, for clearance. inertia: of what each joint carries. torque_limit: of
+    its motors [N m or N].
     """
 
     chain: KinematicChain
@@ -39,9 +27,11 @@ class Robot(eqx.Module):
     acceleration_limit: Float[Array, " joints"]
     T_brush_camera: Pose
     T_base_lidar: Pose
-    wheels: Wheels
+    drive: AbstractDrive
     footprint: Float[Array, "4 2"]
     spheres: Spheres
+    inertia: Inertia
+    torque_limit: Float[Array, " joints"]
 
     @property
     def base_size(self) -> int:

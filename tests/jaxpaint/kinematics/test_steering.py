@@ -6,11 +6,11 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from jaxpaint.kinematics.steering import SteeringGeometry, base_twist, contact_velocity, wheel_commands, wrap
+from jaxpaint.kinematics.steering import SteeredWheels, base_twist, contact_velocity, wheel_commands, wrap
 
 
 def geometry(position=((0.28, 0.22), (0.28, -0.22), (-0.28, 0.22), (-0.28, -0.22))):
-    return SteeringGeometry(jnp.asarray(position), jnp.asarray(0.1), jnp.asarray(3.0), jnp.asarray(1.2))
+    return SteeredWheels(jnp.asarray(position), jnp.asarray(3.0), jnp.asarray(1.2))
 
 
 def test_round_trip_is_the_identity(x64):

@@ -26,6 +26,9 @@ ODD = """
   <keyframe><key name="home" qpos="0 0 0 0.5 0.4 0.2"/></keyframe>
 </mujoco>"""
 
+# The base's joints must act along the axes of the map.
+LEVEL = ODD.replace(' euler="10 20 30"', "").replace(' pos="0.05 0 0"', "")
+
 
 def mujoco_brush(model, q):
     data = mujoco.MjData(model)
@@ -69,7 +72,7 @@ def test_any_serial_chain_is_read_exactly(x64):
 
 def test_spheres_ride_where_mujoco_puts_the_geoms(x64, tmp_path):
     path = tmp_path / "odd.xml"
-    path.write_text(ODD)
+    path.write_text(LEVEL)
     model, robot = robot_model(path), load_robot(path)
     q = np.array([0.3, -0.2, 0.7, 0.4, -0.9, 0.2])
     data = mujoco.MjData(model)
@@ -92,16 +95,17 @@ def test_speed_limits_are_those_of_velocity_servos_alone(tmp_path):
     servos = """<actuator>
       <position joint="one" kp="10" ctrlrange="-2 2"/><motor joint="two" ctrlrange="-9 9"/>
       <velocity joint="three" kv="10" ctrlrange="-0.2 0.3"/></actuator></mujoco>"""
-    path.write_text(ODD.replace("</mujoco>", servos))
+    path.write_text(LEVEL.replace("</mujoco>", servos))
     np.testing.assert_allclose(load_robot(path).speed_limit[3:], [np.pi, np.pi, 0.2], rtol=1e-6)
 
 
 def test_defaults_of_a_file_that_says_little(tmp_path):
     path = tmp_path / "odd.xml"
-    path.write_text(ODD)
+    path.write_text(LEVEL)
     robot = load_robot(path)
     np.testing.assert_allclose(robot.speed_limit, [0.5, 0.5, 1.0, *[np.pi] * 3], rtol=1e-6)
-    np.testing.assert_allclose(robot.wheels.position, load_robot().wheels.position)
+    assert np.linalg.norm(robot.drive.position, axis=1).min() > 0.2  # holonomic
+    assert float(robot.drive.rate_limit) * 0.02 > np.pi
     np.testing.assert_allclose(robot.home, [0.5, 0.4, 0.2], rtol=1e-6)
     np.testing.assert_allclose(robot.T_base_lidar.p, 0)
 
@@ -116,16 +120,30 @@ def test_defaults_of_a_file_that_says_little(tmp_path):
         ('type="slide" axis="0 1 0"', 'type="hinge" axis="0 1 0"', "allowed: slide, slide, hinge"),
         (
             '<site name="camera"',
-            '<body><joint/><geom size="1"/></body></body><body><site name="camera"',
+            '</body><body><geom size="1"/><site name="camera"',
             "same link",
         ),
-        ("</mujoco>", "", "odd.xml.*not an MJCF"),
+        ('type="slide" axis="0 1 0"', 'type="slide" axis="0 0 1"', "act along.*allowed: x, y and z"),
+        ('type="slide" axis="0 1 0"', 'type="slide" axis="0 1 0" pos="nan 0 0"', "jnt pos is not finite"),
+        ('qpos="0 0 0 0.5 0.4 0.2"', 'qpos="0 0 0 0.5"', "'home' has 4 numbers in qpos; allowed: 6"),
+        ('<geom name="box"', '<inertial mass="0" pos="0 0 0" diaginertia="0 0 0"/><geom name="box"', "mass"),
+        (
+            LEVEL[LEVEL.index('<joint name="base_x"') : LEVEL.index('<geom name="box"')],
+            '<freejoint name="base_x"/>',
+            "keyframe|no joint named 'base_y'",
+        ),
+        (
+            "</mujoco>",
+            "<actuator><velocity joint='one' kv='1' ctrlrange='-999 999'/></actuator></mujoco>",
+            "999",
+        ),
+        ("</mujoco>", "", "odd.xml.*not an MJCF that MuJoCo reads"),
     ],
 )
 def test_bad_robots_are_named_in_one_line(tmp_path, found, put, message):
     path = tmp_path / "odd.xml"
-    assert found in ODD
-    path.write_text(ODD.replace(found, put))
+    assert found in LEVEL
+    path.write_text(LEVEL.replace(found, put))
     with pytest.raises(InputError, match=message) as caught:
         load_robot(path)
     assert "odd.xml" in str(caught.value) and "\n" not in str(caught.value)
@@ -133,7 +151,7 @@ def test_bad_robots_are_named_in_one_line(tmp_path, found, put, message):
 
 def test_a_ball_in_the_arm_is_refused(tmp_path):
     path = tmp_path / "odd.xml"
-    without_home = ODD[: ODD.index("<keyframe>")] + "</mujoco>"
+    without_home = LEVEL[: LEVEL.index("<keyframe>")] + "</mujoco>"
     path.write_text(without_home.replace('name="three" type="slide"', 'name="three" type="ball"'))
     with pytest.raises(InputError, match="'three' is free or a ball"):
         load_robot(path)

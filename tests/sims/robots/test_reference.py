@@ -69,9 +69,10 @@ def test_limits_are_the_makers(robot):
 
 def test_wheels_and_footprint(robot):
     np.testing.assert_allclose(
-        robot.wheels.position, [[0.28, 0.22], [0.28, -0.22], [-0.28, 0.22], [-0.28, -0.22]]
+        robot.drive.position, [[0.28, 0.22], [0.28, -0.22], [-0.28, 0.22], [-0.28, -0.22]]
     )
-    assert float(robot.wheels.radius) == pytest.approx(0.10)
+    assert float(robot.drive.speed_limit) == pytest.approx(12 * 0.10)
+    assert float(robot.drive.rate_limit) == pytest.approx(3.0)
     front_left, _, rear_right, _ = robot.footprint
     np.testing.assert_allclose(
         front_left, [0.38, 0.30], atol=0.01

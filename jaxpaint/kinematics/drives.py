@@ -1,0 +1,89 @@
+"""What is between a base's twist and its wheels: the interface, and wheels with rollers."""
+
+import abc
+
+import equinox as eqx
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from jaxpaint.kinematics.small_solve import gram, solve_spd
+
+
+class AbstractDrive(eqx.Module):
+    """Turns a base twist (v_x, v_y [m/s], w [rad/s], in the base frame) into wheels and back.
+
+    Wheels are told by the angles of their steering axes [rad] and the speeds of their rims [m/s]. Where
+    nothing steers, the angles stay 0. speed_limit: of the rims [m/s].
+    """
+
+    speed_limit: eqx.AbstractVar[Float[Array, ""]]
+
+    @property
+    @abc.abstractmethod
+    def size(self) -> int:
+        """The number of wheels."""
+
+    @abc.abstractmethod
+    def steered(
+        self, twist: Float[Array, "3"], angle: Float[Array, "w"], dt: Float[Array, ""]
+    ) -> Float[Array, "w"]:
+        """Angles after `dt` [s] of turning towards what the twist asks for."""
+
+    @abc.abstractmethod
+    def rolled(self, twist: Float[Array, "3"], angle: Float[Array, "w"]) -> Float[Array, "w"]:
+        """Rim speeds that the twist asks of wheels at these angles [m/s]."""
+
+    @abc.abstractmethod
+    def twist(self, angle: Float[Array, "w"], speed: Float[Array, "w"]) -> Float[Array, "3"]:
+        """The twist that fits the wheels best, by least squares: odometry."""
+
+    @abc.abstractmethod
+    def readiness(self, twist: Float[Array, "3"], angle: Float[Array, "w"]) -> Float[Array, ""]:
+        """1 where wheels at these angles can make the twist, 0 where they must turn first."""
+
+
+class RollerWheels(AbstractDrive):
+    """Wheels that do not steer and may slide along their rollers: every twist is theirs at once.
+
+    rows: rim speed of each wheel for unit twists, S = rows (v_x, v_y, w); of rank 3.
+    """
+
+    rows: Float[Array, "w 3"]
+    speed_limit: Float[Array, ""]
+
+    @property
+    def size(self) -> int:
+        """The number of wheels."""
+        return self.rows.shape[0]
+
+    def steered(self, twist, angle, dt):
+        """Nothing steers."""
+        return angle
+
+    def rolled(self, twist, angle):
+        """rows (v_x, v_y, w)."""
+        return self.rows[:, 0] * twist[0] + self.rows[:, 1] * twist[1] + self.rows[:, 2] * twist[2]
+
+    def twist(self, angle, speed):
+        """The normal equations (rows' rows) twist = rows' S."""
+        right = (self.rows * speed[:, None]).sum(0)
+        return solve_spd(gram(self.rows.T), right[:, None])[0][:, 0]
+
+    def readiness(self, twist, angle):
+        """Always."""
+        return jnp.ones_like(twist[0])
+
+
+def mecanum(
+    position: Float[Array, "w 2"], roller_angle: Float[Array, ""], speed_limit: Float[Array, ""]
+) -> RollerWheels:
+    """Mecanum wheels that roll along x, with their contacts at (a_i, b_i) in the base frame [m].
+
+    The contact moves with (v_x - w b, v_y + w a). Its part along the axis of the roller on the floor, which
+    lies at -+`roller_angle` [rad] to the wheel's axis, is the rim's: S = v_x - w b + s tan(angle) (v_y + w
+    a), where s = -1 front left and rear right, +1 front right and rear left: seen from above, the rollers
+    form an X, those on the floor an O.
+    """
+    a, b = position[:, 0], position[:, 1]
+    slope = -jnp.sign(a * b) * jnp.tan(roller_angle)
+    return RollerWheels(jnp.stack([jnp.ones_like(a), slope, slope * a - b], axis=1), speed_limit)

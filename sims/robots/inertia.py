@@ -1,0 +1,96 @@
+"""Inertias and torque limits of a chain, read from a compiled MuJoCo model."""
+
+from collections.abc import Sequence
+
+import jax.numpy as jnp
+import mujoco
+import numpy as np
+from jaxtyping import Float
+
+from jaxpaint.kinematics.dynamics import Inertia
+from sims.robots.model import body_frames, link_frames, matrix
+
+
+def inertia_from_model(model: mujoco.MjModel, joints: Sequence[int]) -> Inertia:
+    """What each of `joints` (root first) carries; bodies on joints that are not among them count as welded at
+    zero, as wheels to their base.
+    """
+    links, bodies = link_frames(model, joints), body_frames(model)
+    parts: list[list[tuple[float, np.ndarray, np.ndarray]]] = [[] for _ in joints]
+    for body in range(1, model.nbody):
+        link = carrier(model, body, joints)
+        if link is not None and model.body_mass[body] > 0:
+            T = (
+                np.linalg.inv(links[link])
+                @ bodies[body]
+                @ matrix(model.body_ipos[body], model.body_iquat[body])
+            )
+            tensor = T[:3, :3] @ np.diag(model.body_inertia[body]) @ T[:3, :3].T
+            parts[link].append((float(model.body_mass[body]), T[:3, 3], tensor))
+    merged = [_merged(part) for part in parts]
+    dof = model.jnt_dofadr[list(joints)]
+    return Inertia(
+        mass=jnp.asarray(np.array([m for m, _, _ in merged])),
+        center=jnp.asarray(np.stack([c for _, c, _ in merged])),
+        tensor=jnp.asarray(np.stack([t for _, _, t in merged])),
+        armature=jnp.asarray(model.dof_armature[dof]),
+        damping=jnp.asarray(np.asarray(model.dof_damping)[dof].reshape(len(dof), -1)[:, 0]),
+        gravity=jnp.asarray(np.array(model.opt.gravity)),
+    )
+
+
+def torque_limits(model: mujoco.MjModel, joints: Sequence[int]) -> Float[np.ndarray, " joints"]:
+    """The largest force or torque of each joint's motors [N, N m]: the force ranges of its actuators and of the
+    joint itself, infinite where the file sets none.
+    """
+    return np.array([min(_actuators(model, j), _joint(model, j)) for j in joints])
+
+
+def carrier(model: mujoco.MjModel, body: int, joints: Sequence[int]) -> int | None:
+    """Which of the joints carries a body, as its place among them; None for what is fixed to the world."""
+    while body > 0:
+        mine = [k for k, j in enumerate(joints) if model.jnt_bodyid[j] == body]
+        if mine:
+            return mine[-1]
+        body = int(model.body_parentid[body])
+    return None
+
+
+def _merged(parts: list[tuple[float, np.ndarray, np.ndarray]]) -> tuple[float, np.ndarray, np.ndarray]:
+    """Mass, centre and tensor about it of several bodies that move as one (parallel axes)."""
+    mass = sum(m for m, _, _ in parts)
+    if mass == 0:
+        return 0.0, np.zeros(3), np.zeros((3, 3))
+    center = sum((m * c for m, c, _ in parts), np.zeros(3)) / mass
+    tensor = np.zeros((3, 3))
+    for m, c, own in parts:
+        d = c - center
+        tensor += own + m * (d @ d * np.eye(3) - np.outer(d, d))
+    return mass, center, tensor
+
+
+def _actuators(model: mujoco.MjModel, joint: int) -> float:
+    """Sum of the limits of all actuators on a joint, seen at the joint."""
+    mine = [
+        a
+        for a in range(model.nu)
+        if model.actuator_trntype[a] == int(mujoco.mjtTrn.mjTRN_JOINT) and model.actuator_trnid[a, 0] == joint
+    ]
+    return sum(_one_actuator(model, a) for a in mine) if mine else np.inf
+
+
+def _one_actuator(model: mujoco.MjModel, a: int) -> float:
+    gear = abs(float(model.actuator_gear[a, 0]))
+    if model.actuator_forcelimited[a]:
+        return gear * float(np.abs(model.actuator_forcerange[a]).min())
+    direct = not model.actuator_biasprm[a].any()  # a plain motor: force is gain times control
+    if direct and model.actuator_ctrllimited[a]:
+        return (
+            gear * abs(float(model.actuator_gainprm[a, 0])) * float(np.abs(model.actuator_ctrlrange[a]).min())
+        )
+    return np.inf
+
+
+def _joint(model: mujoco.MjModel, joint: int) -> float:
+    limited = model.jnt_actfrclimited[joint]
+    return float(np.abs(model.jnt_actfrcrange[joint]).min()) if limited else np.inf
