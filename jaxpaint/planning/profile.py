@@ -5,9 +5,11 @@ import dataclasses
 import numpy as np
 from jaxtyping import Float
 
-# Bins across the canvas, and depths behind it at which an echo is taken for the wall [m].
-_BINS = 25
+# Width of a bin across the canvas, few at least; depths behind it at which an echo is taken for the wall [m].
+_BIN, _FEWEST = 0.08, 4
 _DEPTHS = (0.0, 1.3)
+# Beyond its ends the outline goes on as its last part runs, of this length [m].
+_END = 0.4
 # Depth where the lidar saw nothing: a canvas is posed just in front of its wall [m].
 _USUAL = 0.05
 
@@ -42,7 +44,10 @@ class Profile:
         arc = self.arc
         inside = np.clip(way, 0.0, arc[-1])
         point = np.array([np.interp(inside, arc, self.points[:, axis]) for axis in (0, 1)])
-        end = self.points[-1] - self.points[-2] if way > 0 else self.points[1] - self.points[0]
+        if way == inside:
+            return point
+        tips = (arc[-1] - _END, arc[-1]) if way > 0 else (0.0, _END)
+        end = np.subtract(*(self._point(np.clip(tip, 0.0, arc[-1])) for tip in tips[::-1]))
         return point + (way - inside) * end / np.linalg.norm(end)
 
 
@@ -60,12 +65,13 @@ def wall_profile(
     offset = echoes[np.isfinite(echoes).all(-1)] - center[:2]
     across, depth = offset @ right, offset @ ray
     real = (depth >= _DEPTHS[0]) & (depth <= _DEPTHS[1])
-    middles = (np.arange(_BINS) + 0.5) / _BINS * width - width / 2
-    number = np.floor((across + width / 2) / width * _BINS)
-    found = [depth[real & (number == i)] for i in range(_BINS)]
+    bins = max(_FEWEST, round(width / _BIN))
+    middles = (np.arange(bins) + 0.5) / bins * width - width / 2
+    number = np.floor((across + width / 2) / width * bins)
+    found = [depth[real & (number == i)] for i in range(bins)]
     known = np.array([len(f) > 0 for f in found])
     if not known.any():
-        depths = np.full(_BINS, _USUAL)
+        depths = np.full(bins, _USUAL)
     else:
         medians = np.array([np.median(f) if len(f) else np.nan for f in found])
         depths = np.interp(middles, middles[known], medians[known])

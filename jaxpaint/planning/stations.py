@@ -1,22 +1,25 @@
-"""Base poses along a brush path: what comes next in easy reach, and the wall kept at a distance."""
+"""Base poses along a brush path: as much as possible from each, and the wall kept at a distance."""
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from jaxpaint.planning.stretches import ReachWindow, serving_places
+
 
 class StationSettings(eqx.Module):
-    """horizon: how much of the path ahead a station serves [s]. clearance: least distance of the base's
-    middle from the mapped surface [m].
+    """reach: what one station may serve. clearance: least distance of the base's footprint, or of its middle
+    where no footprint is given, from the mapped surface [m]. footprint: corners of the base's rectangle in
+    its frame [m].
     """
 
-    horizon: Float[Array, ""]
+    reach: ReachWindow
     clearance: Float[Array, ""]
+    footprint: Float[Array, "corners 2"] | None = None
 
 
 def plan_stations(
-    time: Float[Array, "t"],
     position: Float[Array, "t 3"],
     axis: Float[Array, "t 3"],
     weight: Float[Array, "t"],
@@ -27,42 +30,44 @@ def plan_stations(
 ) -> Float[Array, "t 3"]:
     """Base pose (x, y, yaw) in the map frame at each time of a path.
 
-    position, axis: brush position [m] and axis (into the wall) at equal steps of time. weight: 1 where the
-    pen is down; the rest counts little. surface: points that the base must keep away from. home: brush in the
-    base frame where the arm works best (x, y) [m].
+    position, axis: brush position [m] and axis (into the wall) along the path. weight: 1 where the pen is
+    down. surface: points that the base must keep away from. home: brush in the base frame where the arm works
+    best (x, y) [m].
 
-    A station serves the mean of the next `horizon` seconds: the base faces along the mean axis and has the
-    mean position at `home`. Where that is too near to the surface it is pushed away, nearest point first.
+    One station serves as long a stretch as stays in reach of it (`serving_places`), and what comes next is
+    its own as soon as the pen is up. Where that is too near to the surface it is pushed away, nearest point
+    first.
     """
-    ahead = _window_mean(
-        time, jnp.concatenate([position[:, :2], axis[:, :2]], axis=1), weight + 1e-3, settings.horizon
-    )
-    yaw = jnp.arctan2(ahead[:, 3], ahead[:, 2])
-    c, s = jnp.cos(yaw), jnp.sin(yaw)
-    x = ahead[:, 0] - c * home[0] + s * home[1]
-    y = ahead[:, 1] - s * home[0] - c * home[1]
-    place = jnp.stack([x, y], axis=1)
+    base = serving_places(position, axis, weight, home, settings.reach)
     for _ in range(6):
-        place = jax.lax.map(lambda p: _pushed(p, surface[:, :2], surface_weight, settings.clearance), place)
-    return jnp.concatenate([place, jnp.unwrap(yaw)[:, None]], axis=1)
+        base = jax.lax.map(lambda b: _pushed(b, surface[:, :2], surface_weight, settings), base)
+    return base
 
 
-def _window_mean(time, values, weight, horizon):
-    """Weighted mean of rows from each time to `horizon` later, by differences of sums."""
-    zero = jnp.zeros((1, values.shape[1] + 1), values.dtype)
-    sums = jnp.concatenate(
-        [zero, jnp.cumsum(jnp.concatenate([values, weight[:, None] ** 0], 1) * weight[:, None], 0)]
-    )
-    last = jnp.searchsorted(time, time + horizon, side="right")
-    total = sums[last] - sums[jnp.arange(time.shape[0])]
-    return total[:, :-1] / total[:, -1:]
+def _pushed(base: Float[Array, "3"], surface: Float[Array, "s 2"], weight, settings: StationSettings):
+    """The base pose, moved straight away from the nearest surface point to at least the clearance."""
+    gap, towards = _gaps(base, surface, settings.footprint)
+    gap = jnp.where(weight > 0, gap, jnp.inf)
+    nearest = jnp.argmin(gap)
+    missing = jnp.maximum(settings.clearance - gap[nearest], 0.0)  # 0 where there is no point at all
+    return base.at[:2].add(-missing * towards[nearest])
 
 
-def _pushed(place: Float[Array, "2"], surface: Float[Array, "s 2"], weight, clearance) -> Float[Array, "2"]:
-    """The place, moved away from the nearest surface point to at least the clearance."""
-    distance = jnp.where(weight > 0, ((surface - place) ** 2).sum(1), jnp.inf)
-    nearest = jnp.argmin(distance)
-    away = place - surface[nearest]
-    size = jnp.sqrt((away**2).sum() + 1e-12)
-    found = jnp.isfinite(distance[nearest])
-    return place + jnp.where(found, jnp.maximum(clearance - size, 0.0), 0.0) * away / size
+def _gaps(base: Float[Array, "3"], points: Float[Array, "s 2"], footprint):
+    """Distances of points from the body [m], below zero inside, and unit directions to them, in the map.
+
+    The body is the footprint, or the base's middle. From inside the direction is that to the nearest side.
+    """
+    offset = points - base[:2]
+    c, s = jnp.cos(base[2]), jnp.sin(base[2])
+    local = jnp.stack([c * offset[:, 0] + s * offset[:, 1], c * offset[:, 1] - s * offset[:, 0]], axis=1)
+    corners = jnp.zeros((1, 2), base.dtype) if footprint is None else footprint
+    low, high = corners.min(0), corners.max(0)
+    local = local - 0.5 * (low + high)
+    over = jnp.abs(local) - 0.5 * (high - low)
+    outside = jnp.maximum(over, 0.0)
+    size = jnp.sqrt((outside**2).sum(1) + 1e-12)
+    gap = jnp.where((over > 0).any(1), size, over.max(1))
+    side = jnp.where(over >= over.max(1, keepdims=True), 1.0, 0.0)
+    way = jnp.sign(local) * jnp.where((over > 0).any(1)[:, None], outside / size[:, None], side)
+    return gap, jnp.stack([c * way[:, 0] - s * way[:, 1], s * way[:, 0] + c * way[:, 1]], axis=1)

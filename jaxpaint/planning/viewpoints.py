@@ -1,131 +1,150 @@
-"""Where the camera looks from: S1 section II's waypoints C, few and covering the canvas with overlap."""
+"""Where the camera looks from: S1 section II's waypoints C, the fewest that cover the operating area."""
 
 import dataclasses
 import math
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float, Int
 
-from jaxpaint.planning.profile import Profile
+from jaxpaint.planning.area import OperatingArea
+from jaxpaint.planning.cameras import Cameras, ViewSettings, camera_candidates
+from jaxpaint.planning.footprints import footprints
+from jaxpaint.planning.reach import CameraArm, near_pairs, reach
+from jaxpaint.planning.serving import Candidates, serve
+from jaxpaint.planning.set_cover import linear_bound, set_cover
+from jaxpaint.planning.stops import blocked_ways, candidate_stops, facing_stop, order_stops
+from jaxpaint.planning.surroundings import Surroundings
+from jaxpaint.planning.visits import shortest_order
 
-# More room than this share of the distance at which the robot paints is no advantage.
-_ROOM = 0.9
-
-
-@dataclasses.dataclass(frozen=True)
-class ViewpointSettings:
-    """distance: of the camera from the wall [m]. aside: how far beside the base's middle line the camera is
-    held, since an arm cannot look straight ahead from above its own shoulder [m]. margin: covered around the
-    canvas, for normals at its rim and for drift [m]. overlap: of neighbouring pictures [m]. clearance: of the
-    base from anything on the floor [m].
-    """
-
-    distance: float = 0.70
-    aside: float = 0.25
-    margin: float = 0.06
-    overlap: float = 0.12
-    clearance: float = 0.08
+# Bases tried for a square view, and for any; a view that sees less than this share of what the best one sees
+# is not tried.
+_BASES, _WORTH = (16, 8), 0.4
+# A camera stays this far from everything [m].
+_CAMERA_GAP = 0.15
 
 
 @dataclasses.dataclass(frozen=True)
 class Viewpoints:
-    """camera: positions in the map frame [m], heading: of the upright cameras about z [rad], base: poses (x,
-    y, yaw) from which they are reached. In the order of visiting; views from one base pose follow each other.
+    """Camera poses in the order of visiting; views from one base pose follow each other.
+
+    camera: positions in the map frame [m], rotation: R_map_camera, OpenCV axes. base: poses (x, y, yaw) from
+    which they are reached, joints: the arm's there [rad]. lower_bound: no choice of views covers the area
+    with fewer. coverage: share of the area that they see, as planned; views of nothing else are left out.
+    reachable: False where the arm reaches no view at all: then these are the views it would need. clear:
+    whether the straight way between consecutive bases is free of what the lidar saw.
     """
 
     camera: Float[np.ndarray, "views 3"]
-    heading: Float[np.ndarray, " views"]
+    rotation: Float[np.ndarray, "views 3 3"]
     base: Float[np.ndarray, "views 3"]
+    joints: Float[np.ndarray, "views arm"]
+    lower_bound: int
+    coverage: float
+    reachable: bool
+    clear: bool
+
+    def __len__(self) -> int:
+        return len(self.camera)
 
 
 def plan_viewpoints(
-    profile: Profile,
-    heights: tuple[float, float],
-    field_of_view: tuple[float, float],
-    home: tuple[float, float],
-    footprint: Float[np.ndarray, "corners 2"],
-    echoes: Float[np.ndarray, "beams 2"],
-    settings: ViewpointSettings | None = None,
+    area: OperatingArea,
+    field: tuple[float, float],
+    arm: CameraArm,
+    around: Surroundings,
+    settings: ViewSettings | None = None,
+    *,
+    clearance: float = 0.08,
 ) -> Viewpoints:
-    """A grid of views along the wall's outline that covers a canvas.
+    """The fewest views that cover the area, from the fewest stops, on a short way that ends at its left.
 
-    heights: of the canvas' lower and upper rim [m]. field_of_view: width and height of the picture at
-    distance 1 [m]. home: brush in the base frame at the arm's best posture (x, y) [m]: the base stands so
-    that this lies on the wall, or further back where its footprint (corners in its own frame [m]) would touch
-    an echo of the lidar (x, y) [m]. Columns are visited from right to left, so that the robot ends where a
-    drawing begins, each column in turn up and down.
+    field: width and height of the picture at distance 1 [m]. clearance: of the base from anything [m]. Square
+    views are tried first; all others where those are not as few as the bound. What no reachable view sees is
+    left out and counted in `coverage`.
     """
-    s = settings or ViewpointSettings()
-    wide, high = (s.distance * x for x in field_of_view)
-    length, tall = profile.length + 2 * s.margin, heights[1] - heights[0] + 2 * s.margin
-    middle = profile.length / 2
-    if length <= wide - 2 * s.aside:
-        columns = [_column(profile, middle, -s.aside, wide, home, s)]
-    else:
-        places = _spread(length, wide, s.overlap)[::-1]
-        columns = [_towards_middle(profile, middle, place, wide, home, s) for place in places]
-    columns = [(camera, heading, _backed(base, footprint, echoes, s)) for camera, heading, base in columns]
-    rows = sum(heights) / 2 + _spread(tall, high, s.overlap)
-    order = [(i, j) for i in range(len(columns)) for j in range(len(rows))[:: 1 if i % 2 == 0 else -1]]
+    s = settings or ViewSettings()
+    cameras = camera_candidates(area, field, s)
+    cameras = cameras[around.gap(cameras.place) > _CAMERA_GAP]
+    sees = footprints(cameras, area, field, around, s)
+    cameras, sees = cameras[sees.any(1)], sees[sees.any(1)]
+    bound = lower_bound(sees)
+    stops = candidate_stops(area, arm, around, clearance)
+    best = None
+    for tried, most in zip((cameras.square, np.ones(len(cameras), bool)), _BASES, strict=True):
+        found = _reached(arm, cameras[tried], sees[tried], stops, around, most)
+        plan = _planned(found, area, arm, around, clearance, bound) if len(found.camera) else None
+        if plan is not None and (best is None or _better(plan, best)):
+            best = plan
+        if best is not None and best.coverage == 1 and len(best) <= bound:
+            break
+    return best or _out_of_reach(cameras, sees, area, arm, bound)
+
+
+def lower_bound(sees: Bool[np.ndarray, "cameras points"]) -> int:
+    """No fewer views cover what can be seen: the area over the largest footprint, and the linear programme.
+
+    Over all candidates, whether they can be reached or not.
+    """
+    if not sees.any():
+        return 0
+    by_area = math.ceil(sees.any(0).sum() / sees.sum(1).max() - 1e-9)
+    return max(by_area, linear_bound(sees))
+
+
+def _better(a: Viewpoints, b: Viewpoints) -> bool:
+    return (-a.coverage, len(a)) < (-b.coverage, len(b))
+
+
+def _reached(arm: CameraArm, cameras: Cameras, sees, stops, around: Surroundings, most: int) -> Candidates:
+    """The pairs of camera and stop that the arm reaches, of up to `most` stops a camera."""
+    worth = sees.sum(1) >= _WORTH * sees.sum(1).max(initial=0)
+    cameras, sees = cameras[worth], sees[worth]
+    if not len(stops):
+        empty = np.zeros(0, int)
+        return Candidates(cameras, sees, stops, empty, empty, np.zeros((0, arm.home.shape[0])))
+    camera, stop = near_pairs(arm, cameras.place, stops, most)
+    joints, good = reach(arm, cameras.place[camera], cameras.rotation[camera], stops[stop], around)
+    return Candidates(cameras, sees, stops, camera[good], stop[good], joints[good])
+
+
+def _planned(
+    found: Candidates, area: OperatingArea, arm: CameraArm, around: Surroundings, clearance: float, bound: int
+) -> Viewpoints:
+    """The fewest of the reached views in the order of visiting."""
+    views = serve(found, area, arm, around, clearance)
+    used = np.unique(found.stop[views])
+    blocked = blocked_ways(found.stops[used], arm, around, clearance)
+    order, clear = order_stops(found.stops[used], blocked, facing_stop(area, area.arc[0], arm))
+    pairs = _visits(found, views, used[order], np.asarray(arm.home, float))
+    camera = found.camera[pairs]
     return Viewpoints(
-        camera=np.array([[*columns[i][0], rows[j]] for i, j in order]),
-        heading=np.array([columns[i][1] for i, _ in order]),
-        base=np.array([columns[i][2] for i, _ in order]),
+        found.cameras.place[camera],
+        found.cameras.rotation[camera],
+        found.stops[found.stop[pairs]],
+        found.joints[pairs],
+        bound,
+        float(found.sees[camera].any(0).mean()),
+        True,
+        clear,
     )
 
 
-def _towards_middle(profile: Profile, middle: float, place: float, wide: float, home, s: ViewpointSettings):
-    """A view that faces the wall at `place` from the middle [m], with the base on its roomier side.
-
-    Where both sides have room, the base stands on the side of the middle: less to drive.
-    """
-    point, heading = profile.at(middle + place, wide / 2)
-    bases = [_base_at(point + side * _right(heading), heading, home) for side in (s.aside, -s.aside)]
-    center, _ = profile.at(middle, wide / 2)
-
-    def rank(base):
-        room = np.linalg.norm(profile.points - base[:2], axis=1).min()
-        return min(room, _ROOM * home[0]), -np.linalg.norm(base[:2] - center)
-
-    return point - s.distance * _ahead(heading), heading, max(bases, key=rank)
+def _visits(found: Candidates, views, stops, home) -> Int[np.ndarray, " views"]:
+    """The pairs in the order of the stops, and at each stop so that the arm moves little."""
+    order, here = [], home
+    for stop in stops:
+        mine = views[found.stop[views] == stop]
+        q = found.joints[mine]
+        between = np.abs(q[:, None] - q[None]).max(-1)
+        mine = mine[shortest_order(between, np.abs(q - here).max(-1), np.zeros(len(mine)))]
+        order.extend(mine)
+        here = found.joints[mine[-1]]
+    return np.array(order, int)
 
 
-def _column(profile: Profile, middle: float, place: float, wide: float, home, s: ViewpointSettings):
-    """A view beside the middle [m], with the base before the middle."""
-    point, heading = profile.at(middle, wide / 2)
-    camera = point + place * _right(heading) - s.distance * _ahead(heading)
-    return camera, heading, _base_at(point, heading, home)
-
-
-def _base_at(
-    point: Float[np.ndarray, "2"], heading: float, home: tuple[float, float]
-) -> Float[np.ndarray, "3"]:
-    """The base pose that has its best brush place at a point of the wall."""
-    place = point - home[0] * _ahead(heading) + home[1] * _right(heading)
-    return np.array([*place, heading])
-
-
-def _backed(base, footprint, echoes, s: ViewpointSettings) -> Float[np.ndarray, "3"]:
-    """The base pose, moved straight back until nothing that the lidar saw is within its footprint's way."""
-    offset = echoes[np.isfinite(echoes).all(-1)] - base[:2]
-    across, ahead = offset @ _right(base[2]), offset @ _ahead(base[2])
-    front, side = footprint[:, 0].max(), np.abs(footprint[:, 1]).max()
-    beside = (np.abs(across) < side + s.clearance) & (ahead > 0)
-    back = max(0.0, front + s.clearance - ahead[beside].min()) if beside.any() else 0.0
-    return base - back * np.array([*_ahead(base[2]), 0.0])
-
-
-def _ahead(heading: float) -> Float[np.ndarray, "2"]:
-    return np.array([math.cos(heading), math.sin(heading)])
-
-
-def _right(heading: float) -> Float[np.ndarray, "2"]:
-    return np.array([math.sin(heading), -math.cos(heading)])
-
-
-def _spread(length: float, window: float, overlap: float) -> Float[np.ndarray, " n"]:
-    """Middles of the fewest windows that cover a length about 0 with overlap."""
-    if length <= window:
-        return np.zeros(1)
-    count = max(2, 1 + math.ceil((length - window) / max(window - overlap, 1e-3) - 1e-9))
-    return np.linspace(-(length - window) / 2, (length - window) / 2, count)
+def _out_of_reach(cameras: Cameras, sees, area: OperatingArea, arm: CameraArm, bound: int) -> Viewpoints:
+    """The views that would be needed, from the base pose before the area's middle."""
+    chosen = set_cover(sees).chosen
+    base = np.tile(facing_stop(area, sum(area.arc) / 2, arm), (len(chosen), 1))
+    joints = np.tile(np.asarray(arm.home, float), (len(chosen), 1))
+    return Viewpoints(cameras.place[chosen], cameras.rotation[chosen], base, joints, bound, 0.0, False, False)

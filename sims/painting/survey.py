@@ -1,26 +1,73 @@
-"""A first look at the wall with the base's lidar, before anything is planned."""
+"""A first look at the place with the base's lidar, and what to look at with the camera after it."""
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float, PRNGKeyArray
 
+from jaxpaint.kinematics.chain import forward
 from jaxpaint.mapping.canvas import Canvas
-from jaxpaint.planning import Profile, wall_profile
+from jaxpaint.planning import (
+    CameraArm,
+    Viewpoints,
+    ViewSettings,
+    operating_area,
+    plan_viewpoints,
+    surroundings,
+    wall_profile,
+)
 from sims.robots import Robot
 from sims.scenes.scene import Scene
-from sims.sensors import Lidar, scan
+from sims.sensors import Camera, Lidar, scan
 
 
 def survey(
-    scene: Scene, canvas: Canvas, robot: Robot, home: tuple[float, float], *, key: PRNGKeyArray
-) -> tuple[Profile, Float[np.ndarray, "beams 2"]]:
-    """The wall's outline behind the canvas, and all echoes (x, y) in the map frame, NaN where there was none.
+    scene: Scene,
+    canvas: Canvas,
+    robot: Robot,
+    camera: Camera,
+    settings: ViewSettings | None = None,
+    *,
+    key: PRNGKeyArray,
+) -> tuple[Viewpoints, Float[np.ndarray, "beams 2"]]:
+    """The viewpoints for a canvas, and all echoes (x, y) in the map frame, NaN where there was none."""
+    arm, s = camera_arm(robot), settings or ViewSettings()
+    echoes = echoes_before(scene, canvas, arm, robot, key=key)
+    center, yaw = np.asarray(canvas.center, float), float(canvas.yaw)
+    width, height = (float(x) for x in canvas.size)
+    profile = wall_profile(center, yaw, width, echoes)
+    rims = center[2] - height / 2, center[2] + height / 2
+    area = operating_area(profile, width, rims, s.margin, s.overlap)
+    around = surroundings(echoes, center, yaw, width, float(arm.lidar))
+    field = camera.width / float(camera.fx), camera.height / float(camera.fy)
+    return plan_viewpoints(area, field, arm, around, s), echoes
+
+
+def camera_arm(robot: Robot) -> CameraArm:
+    """What the planner of views is told of a robot."""
+    brush = forward(robot.chain, robot.at_home(jnp.zeros(robot.base_size)))
+    return CameraArm(
+        chain=robot.camera_chain,
+        home=robot.home,
+        lower=robot.lower,
+        upper=robot.upper,
+        brush=brush.p[:2],
+        spheres=robot.spheres,
+        footprint=robot.footprint,
+        lidar=robot.T_base_lidar.p[2],
+    )
+
+
+def echoes_before(
+    scene: Scene, canvas: Canvas, arm: CameraArm, robot: Robot, *, key: PRNGKeyArray
+) -> Float[np.ndarray, "beams 2"]:
+    """What the lidar sees (x, y) in the map frame [m], NaN for nothing.
 
     The robot stands before the middle of the canvas, as far as it paints from.
     """
     yaw = float(canvas.yaw)
     ahead, left = np.array([np.cos(yaw), np.sin(yaw)]), np.array([-np.sin(yaw), np.cos(yaw)])
+    home = np.asarray(arm.brush, float)
     base = np.asarray(canvas.center, float)[:2] - home[0] * ahead - home[1] * left
     mount = np.asarray(robot.T_base_lidar.p, float)
     place = jnp.asarray([*(base + mount[0] * ahead + mount[1] * left), mount[2]], float)
@@ -28,5 +75,4 @@ def survey(
     ranges, valid = jax.jit(lambda p, heading: scan(scene, lidar, p, heading, key=key))(place, canvas.yaw)
     heading = np.asarray(lidar.bearings, float) + yaw
     reach = np.where(np.asarray(valid), np.asarray(ranges, float), np.nan)[:, None]
-    echoes = np.asarray(place, float)[:2] + reach * np.stack([np.cos(heading), np.sin(heading)], axis=1)
-    return wall_profile(np.asarray(canvas.center, float), yaw, float(canvas.size[0]), echoes), echoes
+    return np.asarray(place, float)[:2] + reach * np.stack([np.cos(heading), np.sin(heading)], axis=1)

@@ -1,101 +1,124 @@
-"""Views cover the canvas with overlap; stations keep their distance."""
+"""How many views there are at least, and the outline and the area that they are planned on."""
 
-import jax.numpy as jnp
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
-from jaxpaint.planning import StationSettings, ViewpointSettings, plan_stations, plan_viewpoints, wall_profile
+from jaxpaint.planning import ViewSettings, camera_rotation, operating_area, surroundings, wall_profile
+from jaxpaint.planning.cameras import Cameras, camera_candidates
+from jaxpaint.planning.footprints import footprints
+from jaxpaint.planning.viewpoints import lower_bound
 
 FIELD = (1.898, 1.109)
-
-
-HOME = (0.85, 0.0)
-FOOTPRINT = np.array([[0.375, 0.3], [-0.375, 0.3], [-0.375, -0.3], [0.375, -0.3]])
+CENTER = np.array([-0.05, 0.0, 1.1])
 NOTHING = np.full((1, 2), np.nan)
+FREE = surroundings(NOTHING, CENTER, 0.0, 2.0, 0.4)
 
 
 def straight(width):
     """The outline of a flat wall at x = 0."""
-    return wall_profile(
-        np.array([-0.05, 0.0, 1.1]), 0.0, width, np.stack([np.zeros(400), np.linspace(-4, 4, 400)], 1)
+    return wall_profile(CENTER, 0.0, width, np.stack([np.zeros(800), np.linspace(-4, 4, 800)], 1))
+
+
+def camera_at(*place, **angles):
+    return Cameras(np.array([place]), camera_rotation(0.0, **angles)[None], np.array([True]), np.zeros(1))
+
+
+def flat_area(width=1.0, height=1.0):
+    return operating_area(straight(width), width, (1.1 - height / 2, 1.1 + height / 2))
+
+
+def test_the_area_is_the_canvas_on_the_wall():
+    area = flat_area(2.4, 0.6)
+    assert area.size == pytest.approx((2.4, 0.6), abs=1e-9)
+    np.testing.assert_allclose(area.points[:, 0], 0, atol=1e-12)
+    np.testing.assert_allclose(area.normals, np.tile([-1.0, 0, 0], (len(area.points), 1)), atol=1e-12)
+    assert np.ptp(area.points[:, 1]) == pytest.approx(2.4)
+    gaps = np.diff(np.unique(area.points[:, 1].round(9)))
+    assert gaps.max() <= area.spacing + 1e-9
+
+
+def test_what_a_square_view_sees_is_its_picture_without_a_rim():
+    area, s = flat_area(2.4, 1.2), ViewSettings()
+    sees = footprints(camera_at(-0.7, 0.1, 1.1), area, FIELD, FREE, s)[0]
+    rim = (s.overlap + area.spacing) / 2
+    offset = np.abs(area.points - [0, 0.1, 1.1])
+    inside = (offset[:, 1] <= 0.35 * FIELD[0] - rim) & (offset[:, 2] <= 0.35 * FIELD[1] - rim)
+    np.testing.assert_array_equal(sees, inside)
+
+
+def test_a_picture_on_its_side_is_taller_than_wide():
+    area, s = flat_area(2.4, 1.6), ViewSettings()
+    upright, turned = (
+        area.points[footprints(camera_at(-0.7, 0, 1.1, roll=roll), area, FIELD, FREE, s)[0]]
+        for roll in (0.0, np.pi / 2)
     )
+    assert np.ptp(upright[:, 1]) == pytest.approx(np.ptp(turned[:, 2]), abs=0.1)
+    assert np.ptp(turned[:, 1]) < 0.7 < 1.0 < np.ptp(turned[:, 2])
 
 
-def plan(profile, height=0.6, echoes=NOTHING):
-    return plan_viewpoints(profile, (1.1 - height / 2, 1.1 + height / 2), FIELD, HOME, FOOTPRINT, echoes)
+def test_grazing_and_far_surfaces_do_not_count():
+    area, s = flat_area(2.4, 0.6), ViewSettings()
+    slant = Cameras(np.array([[-0.3, 0, 1.1]]), camera_rotation(-1.2)[None], np.array([False]), np.zeros(1))
+    seen = area.points[footprints(slant, area, FIELD, FREE, s)[0]]
+    assert len(seen)
+    assert np.abs(seen[:, 1]).max() <= 0.3 * np.tan(s.incidence)
+    assert not footprints(camera_at(-1.1, 0, 1.1), area, FIELD, FREE, s).any()
 
 
-@given(width=st.floats(0.1, 5.0), height=st.floats(0.1, 2.0))
-def test_views_cover_the_canvas(width, height):
-    settings = ViewpointSettings()
-    views = plan(straight(width), height)
-    half = 0.5 * settings.distance * np.array(FIELD)
-    y, z = np.meshgrid(
-        np.linspace(-width / 2, width / 2, 40) * 0.95, np.linspace(-height / 2, height / 2, 20) + 1.1
-    )
-    points = np.stack([y, z], -1).reshape(-1, 1, 2)
-    assert (np.abs(points - views.camera[:, 1:]) <= half + 1e-6).all(-1).any(1).all()
-    np.testing.assert_allclose(views.camera[:, 0], -settings.distance, atol=1e-6)
+def test_clutter_hides_what_is_behind_it_up_to_its_height():
+    area, s = flat_area(1.0, 1.2), ViewSettings()
+    around = surroundings(np.array([[-0.2, 0.0]]), CENTER, 0.0, 1.0, 0.4)
+    free, kept = (footprints(camera_at(-0.7, 0, 0.8), area, FIELD, a, s)[0] for a in (FREE, around))
+    hidden = area.points[free & ~kept]
+    assert len(hidden)
+    assert np.abs(hidden[:, 1]).max() < 0.1
+    assert hidden[:, 2].max() < 0.7
+    assert kept[np.abs(area.points - [0, 0, 0.9]).max(1) < 0.07].all()
 
 
-def test_few_views_that_end_on_the_left():
-    assert len(plan(straight(0.6)).camera) == 1
-    wide = plan(straight(2.4))
-    assert len(wide.camera) == 2
-    assert wide.base[0, 1] < wide.base[-1, 1]  # the map's y points to the robot's left
+def test_the_bound_is_at_least_what_the_area_asks_for():
+    s = ViewSettings()
+    for width, height, least in ((0.5, 0.5, 1), (2.4, 0.6, 2), (2.4, 1.0, 3)):
+        area = flat_area(width, height)
+        sees = footprints(camera_candidates(area, FIELD, s), area, FIELD, FREE, s)
+        assert sees.any(0).all()
+        largest = sees.sum(1).max() / len(area.points)
+        assert lower_bound(sees) >= max(least, np.ceil(1 / largest - 1e-9))
 
 
-def test_views_of_a_corner_face_its_faces():
+def test_no_more_than_the_bound_where_columns_fill_the_width_exactly():
+    """Two columns of the narrowest pictures, side by side, need no third: the bound sees that."""
+    area, s = flat_area(2.3, 0.5), ViewSettings()
+    sees = footprints(camera_candidates(area, FIELD, s), area, FIELD, FREE, s)
+    assert lower_bound(sees) == 2
+
+
+def test_cameras_look_where_they_are_told():
+    up = camera_rotation(0.3, 0.2, 0.0)
+    np.testing.assert_allclose(up.T @ up, np.eye(3), atol=1e-12)
+    assert np.linalg.det(up) == pytest.approx(1)
+    assert up[2, 2] == pytest.approx(np.sin(0.2))
+    assert up[2, 1] < 0  # the picture's down is down
+    np.testing.assert_allclose(camera_rotation(0.0)[:, 0], [0, -1, 0], atol=1e-12)
+
+
+def test_the_outline_of_a_corner_is_as_long_as_its_faces():
     y = np.linspace(-1.5, 1.5, 600)
-    echoes = np.stack([0.85 - np.abs(y), y], axis=1)
-    profile = wall_profile(np.array([-0.05, 0.0, 1.1]), 0.0, 1.697, echoes)
+    profile = wall_profile(CENTER, 0.0, 1.697, np.stack([0.85 - np.abs(y), y], axis=1))
     assert profile.length == pytest.approx(1.697 * np.sqrt(2), rel=0.06)
-    views = plan(profile)
-    np.testing.assert_allclose(np.sort(views.heading), [-np.pi / 4, np.pi / 4], atol=0.02)
-    room = np.linalg.norm(views.base[:, None, :2] - echoes, axis=-1).min(axis=1)
-    assert (room > 0.7).all()
+    area = operating_area(profile, 1.697, (0.8, 1.4))
+    assert area.size[0] == pytest.approx(2.4, abs=0.08)
 
 
-def test_the_base_keeps_back_from_clutter():
-    clutter = np.array([[-0.45, 0.1]])
-    free, kept = plan(straight(0.6)), plan(straight(0.6), echoes=clutter)
-    assert free.base[0, 0] == pytest.approx(-0.85, abs=1e-6)
-    assert kept.base[0, 0] + 0.375 <= -0.45 - 0.079
+def test_the_outline_of_a_small_canvas_is_not_turned_by_noise():
+    rng = np.random.default_rng(0)
+    y = np.linspace(-2, 2, 800)
+    profile = wall_profile(CENTER, 0.0, 0.5, np.stack([rng.normal(0, 0.01, 800), y], axis=1))
+    headings = [profile.at(way, 0.66)[1] for way in np.linspace(0, profile.length, 9)]
+    assert np.abs(headings).max() < np.radians(3)
+    assert profile.length < 0.47
 
 
 def test_a_blind_lidar_means_a_wall_at_the_canvas():
-    profile = wall_profile(np.array([-0.05, 0.0, 1.1]), 0.0, 1.0, NOTHING)
+    profile = wall_profile(CENTER, 0.0, 1.0, NOTHING)
     np.testing.assert_allclose(profile.points[:, 0], 0.0, atol=1e-9)
-
-
-def stations(weight=0.0):
-    time = jnp.arange(40) * 0.5
-    position = jnp.stack([jnp.zeros(40), jnp.linspace(1, -1, 40), jnp.ones(40)], axis=1)
-    axis = jnp.tile(jnp.asarray([1.0, 0.0, 0.0]), (40, 1))
-    surface = jnp.stack([jnp.zeros(50), jnp.linspace(-2, 2, 50), jnp.ones(50)], axis=1)
-    settings = StationSettings(jnp.asarray(4.0), jnp.asarray(0.5))
-    return position, plan_stations(
-        time, position, axis, jnp.ones(40), surface, jnp.full(50, weight), jnp.asarray([0.85, 0.0]), settings
-    )
-
-
-def test_stations_lead_the_brush():
-    position, places = stations()
-    np.testing.assert_allclose(places[:, 0], -0.85, atol=1e-5)
-    np.testing.assert_allclose(places[:, 2], 0, atol=1e-6)
-    assert (places[:-1, 1] < position[:-1, 1]).all()  # the path goes to smaller y
-
-
-def test_stations_keep_clear():
-    close = jnp.asarray([[-0.7, 0.0, 1.0]])
-    time = jnp.arange(10) * 0.5
-    position = jnp.tile(jnp.asarray([0.0, 0.0, 1.0]), (10, 1))
-    axis = jnp.tile(jnp.asarray([1.0, 0.0, 0.0]), (10, 1))
-    settings = StationSettings(jnp.asarray(4.0), jnp.asarray(0.5))
-    places = plan_stations(
-        time, position, axis, jnp.ones(10), close, jnp.ones(1), jnp.asarray([0.85, 0.0]), settings
-    )
-    away = np.linalg.norm(np.asarray(places[:, :2]) - np.asarray(close[0, :2]), axis=1)
-    assert away == pytest.approx(np.full(10, 0.5), abs=1e-4)
