@@ -10,7 +10,7 @@ from jaxtyping import Array, Bool, Float, Int, PRNGKeyArray, PyTree
 from opt.controller import Controller
 from opt.wbc import RobotLimits
 from sims.odometry import OdometryNoise
-from sims.worlds import World, step
+from sims.worlds import Fidelity, World
 
 # One row is recorded every so many control steps.
 RECORD_EVERY = 4
@@ -42,8 +42,9 @@ class Record(NamedTuple):
     live: Bool[Array, "*t"]
 
 
-def start(controller: Controller, world: World) -> RolloutState:
+def start(controller: Controller, fidelity: Fidelity, world: World) -> RolloutState:
     """Before the first step."""
+    world = fidelity.begin(world)
     zero = jnp.zeros((), jnp.int32)
     clock = jnp.zeros((), world.base.dtype)
     return RolloutState(world, controller.initial(world.measured()), clock, zero, zero, zero - 1)
@@ -56,6 +57,7 @@ def is_live(controller: Controller, state: RolloutState) -> Bool[Array, ""]:
 
 def run_block(
     controller: Controller,
+    fidelity: Fidelity,
     robot: RobotLimits,
     noise: OdometryNoise,
     dt: Float[Array, ""],
@@ -71,7 +73,7 @@ def run_block(
     shocks = jax.random.normal(key, (records, RECORD_EVERY, 3), state.world.base.dtype)
 
     def inner(state: RolloutState, shock):
-        return _one_step(controller, robot, noise, dt, state, shock)
+        return _one_step(controller, fidelity, robot, noise, dt, state, shock)
 
     def outer(state: RolloutState, shocks):
         state, seen = jax.lax.scan(inner, state, shocks)
@@ -80,11 +82,11 @@ def run_block(
     return jax.lax.scan(outer, state, shocks)
 
 
-def _one_step(controller: Controller, robot, noise, dt, state: RolloutState, shock):
+def _one_step(controller: Controller, fidelity: Fidelity, robot, noise, dt, state: RolloutState, shock):
     live = is_live(controller, state)
     decision, memory = controller.decide(state.memory, state.world.measured(), state.clock, dt)
     before = _record(state.world, decision, state.clock, live)
-    world = step(robot, noise, state.world, decision.command, shock, dt)
+    world = fidelity.step(robot, noise, state.world, decision.command, shock, dt)
     finite = _all_finite((world, memory, decision.planned, decision.rate))
     go = live & finite
     moved = RolloutState(

@@ -14,6 +14,7 @@ from jax.extend import core
 
 from jaxpaint.compiling.control_flow import CONTROL_FLOW
 from jaxpaint.compiling.rules import RULES, Value, fallback
+from jaxpaint.compiling.small_matrices import written_out
 
 # These cost nothing to repeat, and a barrier would keep them from fusing.
 _FREE = {"broadcast_in_dim", "iota", "reshape", "squeeze", "expand_dims", "convert_element_type", "copy"}
@@ -24,7 +25,8 @@ _COSTLY = {"reduce_sum", "dot_general", "concatenate"}
 def batch_last(jaxpr: core.ClosedJaxpr, args: Sequence[Value], worlds: int) -> list[Value]:
     """Evaluates `jaxpr`; a `Value` that is batched has shape `[*one_world, worlds]`."""
     body = jaxpr.jaxpr
-    reads = _count_reads(body)
+    live = _live(body)
+    reads = _count_reads(live, body.outvars)
     env: dict[core.Var, Value] = dict(
         zip(body.constvars, (Value(c, False) for c in jaxpr.consts), strict=True)
     )
@@ -33,7 +35,7 @@ def batch_last(jaxpr: core.ClosedJaxpr, args: Sequence[Value], worlds: int) -> l
     def read(atom) -> Value:
         return Value(atom.val, False) if isinstance(atom, core.Literal) else env[atom]
 
-    for equation in body.eqns:
+    for equation in live:
         results = _evaluate(equation, [read(v) for v in equation.invars], worlds)
         if equation.primitive.name not in _FREE:
             costly = equation.primitive.name in _COSTLY
@@ -42,8 +44,19 @@ def batch_last(jaxpr: core.ClosedJaxpr, args: Sequence[Value], worlds: int) -> l
     return [read(v) for v in body.outvars]
 
 
-def _count_reads(body: core.Jaxpr) -> Counter:
-    atoms = [v for equation in body.eqns for v in equation.invars] + list(body.outvars)
+def _live(body: core.Jaxpr) -> list[core.JaxprEqn]:
+    """The equations that a result depends on: a barrier would keep the others alive."""
+    wanted = {v for v in body.outvars if not isinstance(v, core.Literal)}
+    live = []
+    for equation in reversed(body.eqns):
+        if equation.effects or not wanted.isdisjoint(equation.outvars):
+            live.append(equation)
+            wanted.update(v for v in equation.invars if not isinstance(v, core.Literal))
+    return live[::-1]
+
+
+def _count_reads(equations: Sequence[core.JaxprEqn], results: Sequence) -> Counter:
+    atoms = [v for equation in equations for v in equation.invars] + list(results)
     return Counter(v for v in atoms if not isinstance(v, core.Literal))
 
 
@@ -54,6 +67,9 @@ def _evaluate(equation: core.JaxprEqn, inputs: list[Value], worlds: int) -> list
     if not any(v.batched for v in inputs):
         out = equation.primitive.bind(*(v.array for v in inputs), **equation.params)
         return [Value(x, False) for x in (out if equation.primitive.multiple_results else [out])]
+    plain = written_out(equation)
+    if plain is not None:
+        return batch_last(plain, inputs, worlds)
     rule: Callable = RULES.get(name, fallback)
     return rule(equation, inputs, worlds)
 

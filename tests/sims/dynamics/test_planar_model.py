@@ -1,0 +1,71 @@
+"""The model of a planar base and an arm against the robot's whole model."""
+
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from sims.dynamics import Engine, physics_of, planar_model
+from sims.robots import robot_model
+from sims.robots.model import joints_to
+
+ROBOTS = Path(__file__).resolve().parents[2] / "robots"
+FILES = [None, ROBOTS / "seven_joints.xml", ROBOTS / "mecanum.xml", ROBOTS / "big_arm.urdf"]
+
+
+def chain_joints(model):
+    return joints_to(model, int(model.site_bodyid[model.site("brush").id]))
+
+
+def full_mass(model, data):
+    out = np.zeros((model.nv, model.nv))
+    mujoco.mj_fullM(model, data, out)
+    return out
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda f: f.stem if f else "reference")
+def test_inertia_weight_and_coriolis_are_the_robots(file):
+    """Where only the chain moves, the joints beside it held at zero."""
+    model = robot_model(file)
+    planar = planar_model(model)
+    joints = chain_joints(model)
+    dofs, places = model.jnt_dofadr[joints], model.jnt_qposadr[joints]
+    assert [planar.joint(i).name for i in range(planar.njnt)] == [model.joint(j).name for j in joints]
+    assert planar.ngeom == planar.ncam == 0 and planar.nu == planar.nv == len(joints)
+    rng = np.random.default_rng(0)
+    for _ in range(3):
+        whole, ours = mujoco.MjData(model), mujoco.MjData(planar)
+        whole.qpos[:] = 0
+        ours.qpos[:] = whole.qpos[places] = rng.uniform(-1, 1, len(joints))
+        ours.qvel[:] = whole.qvel[dofs] = rng.uniform(-1, 1, len(joints))
+        mujoco.mj_forward(model, whole)
+        mujoco.mj_forward(planar, ours)
+        mass = full_mass(model, whole)[np.ix_(dofs, dofs)]
+        np.testing.assert_allclose(full_mass(planar, ours), mass, atol=2e-6 * np.abs(mass).max())
+        bias = whole.qfrc_bias[dofs]
+        np.testing.assert_allclose(ours.qfrc_bias, bias, atol=1e-5 * np.abs(bias).max())
+
+
+def test_servos_have_the_files_gains_and_limits():
+    planar = planar_model(robot_model())
+    physics = physics_of(planar, position_rate=20.0)
+    np.testing.assert_allclose(physics.velocity_gain, [4000] * 3 + [800] * 3 + [150] * 3)
+    np.testing.assert_allclose(physics.position_gain, [16000] * 3 + [3000] * 3)
+    np.testing.assert_allclose(physics.force_limit, [2000] * 3 + [150] * 3 + [28] * 3)
+
+
+def test_a_file_without_servos_gets_stiff_ones():
+    model = robot_model()
+    model.actuator_biasprm[:] = 0
+    planar = planar_model(model)
+    data = mujoco.MjData(planar)
+    mujoco.mj_forward(planar, data)
+    time_constant = np.diag(full_mass(planar, data)) / np.asarray(physics_of(planar).velocity_gain)
+    np.testing.assert_allclose(time_constant, 0.005, rtol=1e-4)
+
+
+def test_equal_models_are_one_program():
+    a, b = (Engine(planar_model(robot_model())) for _ in range(2))
+    other = Engine(planar_model(robot_model(ROBOTS / "mecanum.xml")))
+    assert a == b and hash(a) == hash(b) and a != other
