@@ -1,4 +1,4 @@
-"""The program `jaxpaint`: sub-commands, one line for every error, exit status 0, 1 or 2."""
+"""The program `jaxpaint`: sub-commands, one line for every error, exit status 0, 1, 2 (130: Ctrl-C)."""
 
 import contextlib
 import difflib
@@ -7,19 +7,21 @@ import os
 import re
 import sys
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, NoReturn, Union
 
 from experiments import process
 from experiments.commands import MODULES, Command, find
 from experiments.options import from_config, option_names, refuse, required, values_of
-from experiments.output import read_summary
+from experiments.output import describe_versions, read_summary
 from jaxpaint.errors import InputError
 
 PROGRAM = "jaxpaint"
 ABOUT = "Simulate and optimise wall-painting mobile manipulators, many worlds at once."
 TRACEBACK_VARIABLE = "JAXPAINT_TRACEBACK"
+INTERRUPTED = 130
+"""Exit status after Ctrl-C, by the shells' convention of 128 plus the signal's number."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -33,8 +35,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         return status
     except InputError as error:
         return _complain(str(error), 2)
-    except KeyboardInterrupt:
-        return _complain("interrupted; nothing was written", 1)
+    except KeyboardInterrupt as signal:
+        return _complain("interrupted; nothing was written", getattr(signal, "status", INTERRUPTED))
     except BrokenPipeError:
         # Nobody reads standard output any more; the results are in their folder.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -52,8 +54,6 @@ def _dispatch(words: list[str], owns_process: bool) -> int:
     if words[0] in ("--help", "-h"):
         return _help()
     if words[0] == "--version":
-        from experiments.output import describe_versions
-
         print(f"{PROGRAM} {describe_versions()['jaxpaint'] or '(not installed)'}")
         return 0
     if words[0] not in MODULES:
@@ -115,7 +115,17 @@ def _default(command: Command, words: list[str]) -> Any:
     path = _value_after("--config", words)
     if path is None:
         return tyro.MISSING_NONPROP
-    return from_config(command.options, read_summary(Path(path), command.name), path)
+    summary = read_summary(Path(path), command.name)
+    return from_config(command.options, summary["config"], path, _other_version(summary))
+
+
+def _other_version(summary: Mapping[str, Any]) -> str:
+    """By which version of the program a summary was written, where that is not this one."""
+    versions = summary.get("versions")
+    theirs = versions.get("jaxpaint") if isinstance(versions, Mapping) else None
+    if theirs is None or theirs == describe_versions()["jaxpaint"]:
+        return ""
+    return f"written by {PROGRAM} {theirs}"
 
 
 def _value_after(name: str, words: list[str]) -> str | None:
@@ -139,11 +149,12 @@ def _refuse_unknown(command: Command, unknown: list[str]) -> NoReturn:
 def _refuse_box(command: Command, box: str) -> NoReturn:
     """The error of tyro's box in our own line: an option without its values, or else the message as it is."""
     message = " ".join(re.sub("[─│╭╮╰╯]|--{2,}", " ", box).split()).partition(" For full helptext")[0]
-    needed = required(command.options)
-    for field, name in option_names(command.options).items():
-        values = values_of(command.options)[field]
-        if values is not None and (field in needed or re.search(rf"(?<![\w-]){name}(?![\w-])", message)):
-            raise InputError(f"{name}: found too few values, allowed: {values.allowed}")
+    names, values = option_names(command.options), values_of(command.options)
+    said = [field for field, name in names.items() if re.search(rf"(?<![\w-]){name}(?![\w-])", message)]
+    for field in [*said, *sorted(required(command.options))]:
+        known = values[field]
+        if known is not None:
+            raise InputError(f"{names[field]}: found too few values, allowed: {known.allowed}")
     raise InputError(message or f"{command.name}: bad usage")
 
 

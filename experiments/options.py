@@ -74,12 +74,17 @@ def to_config(options: Any) -> dict[str, Any]:
     }
 
 
-def from_config(options_type: type[Options], config: Mapping[str, Any], source: str) -> Options:
-    """Options from the `config` of an earlier `summary.json`, called `source` in errors; not checked here."""
+def from_config(
+    options_type: type[Options], config: Mapping[str, Any], source: str, remark: str = ""
+) -> Options:
+    """Options from the `config` of an earlier `summary.json`, called `source` in errors; not checked here.
+
+    remark: why an unknown option may be there.
+    """
     known = {name: values for name, values in values_of(options_type).items() if name not in NOT_REPEATED}
     unknown = sorted(set(config) - set(known) - set(NOT_REPEATED))
     if unknown:
-        refuse(f"{source}: config", unknown[0], ", ".join(known))
+        refuse(f"{source}: config", unknown[0], ", ".join(known), remark)
     missing = sorted(required(options_type) - set(config))
     if missing:
         refuse(f"{source}: config", f"no {missing[0]}", f"all of {', '.join(sorted(required(options_type)))}")

@@ -10,6 +10,8 @@ import sys
 import warnings
 from pathlib import Path
 
+from experiments.interrupts import Interrupted
+
 CACHE_VARIABLE = "JAXPAINT_CACHE"
 """Where compiled programs are kept; an empty value keeps none."""
 
@@ -62,8 +64,8 @@ def cache_folder() -> Path | None:
     return folder if os.access(folder, os.W_OK) else None
 
 
-def _interrupt(*_: object) -> None:
-    raise KeyboardInterrupt
+def _interrupt(number: int, _: object) -> None:
+    raise Interrupted(number)
 
 
 def _quota() -> float | None:

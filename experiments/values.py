@@ -90,6 +90,30 @@ def name_or_file(names: tuple[str, ...], suffixes: tuple[str, ...], later: Itera
     return dataclasses.replace(values, restore=_from_json(names), remark=_why_no_file)
 
 
+def several(*names: str) -> Values:
+    """Any of `names`, each at most once, in a tuple; none at all is allowed too."""
+    one = choice(*names)
+
+    def hold(value: Any) -> bool:
+        known = isinstance(value, tuple) and all(entry in names for entry in value)
+        return known and len(set(value)) == len(value)
+
+    return dataclasses.replace(
+        one,
+        nargs="*",
+        instance_from_str=tuple,
+        str_from_instance=lambda value: list(value) or ["none"],
+        holds=hold,
+        allowed=f"one or more of {', '.join(names)}, each once",
+    )
+
+
+def earlier_run(metavar: str) -> Values:
+    """The folder of an earlier run, or its summary.json; read by `experiments.comparison.read_run`."""
+    allowed = "the folder of an earlier run, or its summary.json"
+    return _words(_as_path, lambda value: isinstance(value, Path), allowed, metavar)
+
+
 def folder(*, unset: str) -> Values:
     """A folder to write into; `RunFolder` judges it."""
     return _words(_as_path, lambda value: isinstance(value, Path), "a folder", "DIR", unset=unset)

@@ -7,6 +7,7 @@ import tempfile
 from pathlib import Path
 from typing import Self
 
+from experiments.interrupts import shielded
 from jaxpaint.errors import InputError
 
 SUMMARY = "summary.json"
@@ -62,11 +63,12 @@ class RunFolder:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
-        try:
-            if kind is None:
-                self._put()
-        finally:
-            self._discard()
+        with shielded():
+            try:
+                if kind is None:
+                    self._put()
+            finally:
+                self._discard()
 
     def _put(self) -> None:
         stage = self.path("")

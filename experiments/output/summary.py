@@ -49,7 +49,7 @@ def write_json(path: Path, value: Any) -> None:
 
 
 def read_summary(path: Path, command: str) -> dict[str, Any]:
-    """The `config` of an earlier run of `command`; InputError where the file is something else."""
+    """The summary of an earlier run of `command`; InputError where the file is something else."""
     allowed = f"the summary.json of an earlier 'jaxpaint {command}'"
     try:
         if path.stat().st_size > LARGEST_SUMMARY:
@@ -61,7 +61,7 @@ def read_summary(path: Path, command: str) -> dict[str, Any]:
         raise InputError(f"--config: found {path} (without a config), allowed: {allowed}")
     if summary.get("command") != command:
         raise InputError(f"--config: found {path} (of {summary.get('command')!r}), allowed: {allowed}")
-    return summary["config"]
+    return summary
 
 
 def describe_versions() -> dict[str, str | None]:

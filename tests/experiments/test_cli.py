@@ -69,7 +69,6 @@ BAD = {
     "paint --canvas-pose 0 0 nan 0": "--canvas-pose",
     "paint --up w": "--up",
     "paint --up -w": "--up",
-    "paint --fidelity dynamic": "not built yet",
     "paint --fidelity wheeled": "not built yet",
     "paint --refine agn": "not built yet",
     "paint --fidelity hover": "--fidelity",
@@ -86,6 +85,8 @@ BAD = {
     "paint --config other.json": "bench",
     "paint --config strange.json": "colour",
     "paint --config wrong.json": "--worlds",
+    "paint --config newer.json": "written by jaxpaint 99.0",
+    "paint --config broken.json": "not JSON",
     "reproduce --config nameless.json": "no name",
     "paint --out used": "used",
     "paint --out text.txt": "text.txt",
@@ -94,6 +95,14 @@ BAD = {
     "bench everything": "NAME",
     "reproduce everything": "NAME",
     "reproduce": "NAME",
+    "compare": "A: found too few values",
+    "compare used": "B: found too few values",
+    "compare nowhere used": "nowhere",
+    "compare used used": "A: found",
+    "compare text.txt other.json": "not JSON",
+    "compare wrong.json other.json": "a run of 'paint'",
+    "compare strange.json list.json": "B: found",
+    "compare other.json other.json other.json": "other.json",
 }
 
 
@@ -105,6 +114,10 @@ def test_bad_usage_is_one_line_and_status_2(line, capsys, tmp_path, pipeline):
     (tmp_path / "other.json").write_text('{"command": "bench", "config": {}}')
     (tmp_path / "strange.json").write_text('{"command": "paint", "config": {"colour": 1}}')
     (tmp_path / "wrong.json").write_text('{"command": "paint", "config": {"worlds": [1]}}')
+    newer = {"command": "paint", "config": {"colour": 1}, "versions": {"jaxpaint": "99.0"}}
+    (tmp_path / "newer.json").write_text(json.dumps(newer))
+    (tmp_path / "broken.json").write_text('{"command": "paint", "config": {')
+    (tmp_path / "list.json").write_text("[1]")
     (tmp_path / "nameless.json").write_text('{"command": "reproduce", "config": {}}')
     before = sorted(tmp_path.rglob("*"))
     assert main(line.split()) == 2
@@ -216,7 +229,7 @@ def test_an_existing_folder_needs_overwrite(tmp_path, pipeline):
             "wall.pcd: found 3 points, allowed",
         ),
         (RuntimeError("out of memory"), 1, "RuntimeError: out of memory"),
-        (KeyboardInterrupt(), 1, "interrupted"),
+        (KeyboardInterrupt(), 130, "interrupted"),
     ],
 )
 def test_a_failure_leaves_nothing(error, status, message, capsys, tmp_path, pipeline):

@@ -9,10 +9,10 @@ from jaxpaint.mapping.mapped import Cause
 def test_strokes_over_a_hole_are_named():
     stroke = np.repeat(np.arange(4), 5)
     status = np.zeros((3, 20), int)
-    status[:, 7:13] = Cause.MISS  # strokes 1 and 2
+    status[:, 7:13] = Cause.MISS  # the second and the third
     status[0, 0] = Cause.SHARP  # in one world of three: not the picture's fault
     assert dropped_words(stroke, status) == [
-        "left out, over a hole or the wall's rim: 6 of 20 points, in strokes 1-2"
+        "left out, over a hole or the wall's rim: 6 of 20 points, in strokes 2-3"
     ]
 
 
@@ -21,7 +21,7 @@ def test_each_reason_has_a_line():
     status = np.array([[Cause.HIT, Cause.STEEP, Cause.CLEARANCE]])
     lines = dropped_words(stroke, status)
     assert ["too steep" in line for line in lines] == [True, False]
-    assert lines[1].endswith("1 of 3 points, in stroke 2")
+    assert lines[1].endswith("1 of 3 points, in stroke 3")
 
 
 def test_nothing_left_out_says_nothing():

@@ -1,10 +1,15 @@
 """Options: what is allowed, in words, and the round trip through a summary."""
 
+import dataclasses
 import json
 import math
+from typing import Annotated
 
 import pytest
 
+from experiments import values
+from experiments.cli import parse
+from experiments.commands.command import Command, RunOptions
 from experiments.commands.paint_options import NOISES, PaintOptions
 from experiments.options import from_config, to_config
 from jaxpaint.errors import InputError
@@ -85,3 +90,29 @@ def test_the_noise_presets_are_all_offered():
     from sims.noise import PRESETS
 
     assert set(NOISES) == set(PRESETS)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class _Several(RunOptions):
+    """Options with a list."""
+
+    export: Annotated[tuple[str, ...], values.several("csv", "json")] = ()
+    """Files to write."""
+
+
+@pytest.mark.parametrize(
+    ("words", "export"),
+    [("", ()), ("--export csv", ("csv",)), ("--export json csv --seed 3", ("json", "csv"))],
+)
+def test_an_option_may_have_several_values(words, export):
+    options = parse(Command("made-up", _Several, None), words.split())  # pyright: ignore
+    options.check()
+    assert options.export == export
+    config = json.loads(json.dumps(to_config(options)))
+    assert from_config(_Several, config, "summary.json").export == export
+
+
+@pytest.mark.parametrize("export", [("svg",), ("csv", "csv"), "csv", None, ("csv", 1)])
+def test_one_of_several_values_that_is_not_known_is_named(export):
+    with pytest.raises(InputError, match=r"--export: found .*csv, json, each once"):
+        _Several(export=export).check()

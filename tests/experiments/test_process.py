@@ -51,7 +51,7 @@ def test_a_termination_ends_a_run_as_cleanly_as_ctrl_c(tmp_path):
     assert run.stdout.readline() == "started\n"
     run.send_signal(signal.SIGTERM)
     _, said = run.communicate(timeout=30)
-    assert run.returncode == 1
+    assert run.returncode == 128 + signal.SIGTERM
     assert said == "jaxpaint: interrupted; nothing was written\n"
     assert list(tmp_path.iterdir()) == []
 

@@ -1,0 +1,56 @@
+"""A simulated robot with position servos follows the plan, or shows that it cannot."""
+
+import dataclasses
+
+import mujoco
+import numpy as np
+import pytest
+
+from experiments.exports import replay as module
+from experiments.exports import write_table
+from experiments.exports.replay import main, replay, servo_model
+from jaxpaint.errors import InputError
+
+
+def test_the_brush_follows_within_a_millimetre(waving):
+    found = replay(waving)
+    assert found.pen.sum() * module.STEP == pytest.approx(2.0, abs=0.06)
+    assert np.ptp(found.planned[found.pen], axis=0).max() > 0.1, "it moves"
+    assert found.error.max() < 1e-3
+
+
+def test_gravity_is_on_and_servos_are_what_holds_the_arm(waving):
+    model = servo_model(waving.names)
+    assert model.opt.gravity[2] == pytest.approx(-9.81)
+    assert model.nu == len(waving.names)
+    np.testing.assert_array_equal(model.actuator_trnid[:, 0], [model.joint(n).id for n in waving.names])
+    assert (model.actuator_gainprm[:, 0] > 0).all()
+    assert model.actuator_forcerange[model.actuator("elbow").id].tolist() == [-150, 150]
+
+
+def test_what_no_servo_can_follow_is_seen(waving):
+    fast = dataclasses.replace(
+        waving, time=waving.time / 6, velocity=waving.velocity * 6, acceleration=waving.acceleration * 36
+    )
+    assert replay(fast).error.max() > 3e-3
+
+
+def test_derivatives_that_do_not_belong_to_the_positions_are_seen(waving):
+    wrong = dataclasses.replace(waving, velocity=np.zeros_like(waving.velocity))
+    assert replay(wrong).error.max() > 2 * replay(waving).error.max()
+
+
+def test_another_robot_needs_the_joints_of_the_plan(waving, tmp_path):
+    spec = mujoco.MjSpec.from_file(str(module.REFERENCE))
+    spec.joint("elbow").name = "knee"
+    spec.actuator("elbow").target = "knee"
+    path = tmp_path / "robot.xml"
+    path.write_text(spec.to_xml())
+    with pytest.raises(InputError, match="'elbow'"):
+        replay(waving, path)
+
+
+def test_the_script_prints_the_error(waving, tmp_path, capsys):
+    write_table(waving, tmp_path / "trajectory.csv")
+    assert main([str(tmp_path / "trajectory.csv")]) == 0
+    assert "mm" in capsys.readouterr().out
