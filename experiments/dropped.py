@@ -25,8 +25,8 @@ _NAMED = 12
 def dropped_words(stroke: Int[np.ndarray, " points"], status: Int[np.ndarray, "worlds points"]) -> list[str]:
     """One line for each reason why points were left out, with the strokes they belong to.
 
-    stroke: the stroke of each point, counted from 0 as in the preview. status: a `Cause` for each point in
-    each world. A point counts where it was left out in at least half of the worlds, by its commonest cause.
+    stroke: the stroke of each point, from 0; names count from 1, as the preview does. status: a `Cause` for
+    each point in each world. A point counts where it was left out in at least half of the worlds, by its commonest cause.
     """
     counts = np.stack([(status == cause).mean(axis=0) for cause in Cause])
     lost = counts[Cause.HIT] <= 0.5
@@ -35,7 +35,7 @@ def dropped_words(stroke: Int[np.ndarray, " points"], status: Int[np.ndarray, "w
     for reason, words in REASONS.items():
         here = lost & (cause == reason)
         if here.any():
-            names = stroke_names(np.unique(stroke[here]))
+            names = stroke_names(1 + np.unique(stroke[here]))
             lines.append(f"left out, {words}: {here.sum()} of {len(stroke)} points, in {names}")
     return lines
 

@@ -5,15 +5,21 @@ from contextlib import AbstractContextManager
 from typing import Any, cast
 
 import numpy as np
+from matplotlib.colors import to_hex
 
 from experiments.commands.paint_options import PaintOptions
 from experiments.commands.paint_outcome import PaintOutcome
+from experiments.dropped import dropped_words
+from experiments.exports.planned import planned
+from experiments.interrupts import Stop, held
 from experiments.paint_job import PaintTask, paint_task
 from experiments.paint_report import report_data, trajectories
+from experiments.report.stroke_preview import stroke_preview
 from sims.painting.decide import Chooser
+from sims.painting.lay import paint_scores
 from sims.painting.mission import Mission, run_mission
 from sims.rollout import RECORD_EVERY
-from sims.scoring import PaintScore, WorldScore, score_paint_worlds, summarise, world_scores
+from sims.scoring import WorldScore, summarise, world_scores
 
 # Worlds that run at once: what memory and cache like; more run in groups of this size.
 GROUP = 256
@@ -24,41 +30,46 @@ def run(options: PaintOptions, progress: Callable[..., AbstractContextManager[An
     task = paint_task(options)
     groups = np.array_split(np.arange(options.worlds), -(-options.worlds // GROUP))
     missions, rows = [], []
-    with progress("paint", float(len(groups))) as bar:
+    with held() as interrupts, progress("paint", float(len(groups))) as bar:
         for index in groups:
-            mission = run_mission(
-                task.job, task.grid, index, controller=cast(Chooser, options.controller), advance=bar.advance
-            )
-            rows += score(task, mission)
+            try:
+                mission = _mission(task, options, index, interrupts.checked(bar.advance))
+                rows += score(task, mission)
+            except Stop:
+                break
             missions.append(mission if not missions else _light(mission))
+            interrupts.keep()
     summary = summarise(rows) | {
         "path": _path(task, missions),
+        "viewpoints": _viewpoints(task),
         "modes": _modes(missions),
         "control_steps": int(sum(steps_of(m).sum() for m in missions)),
         "steps_per_s": float(sum(steps_of(m).sum() for m in missions) / sum(m.executed_s for m in missions)),
     }
+    plan, why = planned(task.job, missions, options.export_world) if options.export else (None, "")
     return PaintOutcome(
         summary=summary,
         worlds=_columns(rows, missions, options),
         trajectories=trajectories(task, missions[0], rows),
         report=report_data(task, missions[0], rows),
         resolved=task.resolved,
-        notes=task.notes + _dropped(task, missions),
+        notes=(*task.notes, *_dropped(task, missions), *([why] if why else [])),
+        interrupted=len(rows) < options.worlds,
+        plan=plan,
+        preview=stroke_preview(task.strokes, task.drawing, radius=options.brush_radius),
     )
+
+
+def _mission(task: PaintTask, options: PaintOptions, index: np.ndarray, advance) -> Mission:
+    controller = cast(Chooser, options.controller)
+    return run_mission(task.job, task.grid, index, controller=controller, advance=advance)
 
 
 def score(task: PaintTask, mission: Mission) -> list[WorldScore]:
     """One row of scores a world."""
     record, laid = mission.driven.record, mission.laid
-    paint: list[PaintScore] = score_paint_worlds(
-        task.wanted,
-        task.grid,
-        np.array(laid.thickness),
-        np.asarray(laid.uv),
-        np.asarray(record.live) & (np.asarray(record.pen) > 0.5),
-        film=float(task.job.brush.film),
-        stray=np.asarray(laid.stray),
-    )
+    down = np.asarray(record.live) & (np.asarray(record.pen) > 0.5)
+    paint = paint_scores(task.wanted, task.grid, laid, down, film=float(task.job.brush.film))
     step = float(task.job.dt) * RECORD_EVERY
     return world_scores(mission.status, laid.tracking, paint, mission.surface, mission.surface, step=step)
 
@@ -71,7 +82,8 @@ def steps_of(mission: Mission) -> np.ndarray:
 def _light(mission: Mission) -> Mission:
     """Without the big arrays, which only the first group's report needs."""
     none = np.zeros((len(mission.status), 0, 3))
-    return mission._replace(clouds=(none, none), truth=mission.truth.__class__(none, none))
+    laid = mission.laid._replace(thickness=None)
+    return mission._replace(clouds=(none, none), truth=mission.truth.__class__(none, none), laid=laid)
 
 
 def _path(task: PaintTask, missions: list[Mission]) -> dict:
@@ -83,6 +95,27 @@ def _path(task: PaintTask, missions: list[Mission]) -> dict:
         "points": len(task.strokes.points),
         "length": float(down.mean()),
         "travel": float(travel.mean()),
+        "passes": _passes(task),
+    }
+
+
+def _passes(task: PaintTask) -> list[dict]:
+    """What is painted with each colour, in order."""
+    found = []
+    for number, colour in enumerate(task.drawing.colours):
+        mine = [line for line, k in zip(task.strokes.lines, task.strokes.colour, strict=True) if k == number]
+        length = sum(float(np.linalg.norm(np.diff(line, axis=0), axis=1).sum()) for line in mine)
+        found.append({"colour": to_hex(colour), "strokes": len(mine), "length": length})
+    return found
+
+
+def _viewpoints(task: PaintTask) -> dict:
+    """How many views the scan takes, the fewest there could be, and the share of the area they cover."""
+    views = task.views
+    return {
+        "views": len(views.camera),
+        "lower_bound": int(views.lower_bound),
+        "coverage": float(views.coverage),
     }
 
 
@@ -132,12 +165,7 @@ def _columns(rows: list[WorldScore], missions: list[Mission], options: PaintOpti
     }
 
 
-def _dropped(task: PaintTask, missions: list[Mission]) -> tuple[str, ...]:
+def _dropped(task: PaintTask, missions: list[Mission]) -> list[str]:
     """What of the picture was left out, in words."""
-    from experiments.paint_report import dropped_points
-
-    causes = {name: count for name, count in dropped_points(missions).items() if count}
-    if not causes:
-        return ()
-    words = ", ".join(f"{count} {name}" for name, count in causes.items())
-    return (f"points not mapped, median world: {words} of {len(task.strokes.points)}",)
+    status = np.concatenate([np.asarray(m.painting.path.status) for m in missions])
+    return dropped_words(np.asarray(task.strokes.stroke), status)

@@ -1,6 +1,8 @@
 """From a user's options to a painting job: files are read and bad input refused before any work."""
 
 import dataclasses
+import math
+from typing import cast
 
 import jax
 import jax.numpy as jnp
@@ -8,25 +10,36 @@ import numpy as np
 
 from experiments.commands.paint_options import PaintOptions
 from experiments.drawings import built_in_drawing
-from jaxpaint.clouds.files import read_cloud
 from jaxpaint.decisions.thresholds import default_thresholds
+from jaxpaint.errors import InputError
 from jaxpaint.mapping.canvas import Canvas
 from jaxpaint.mapping.raycast import MappingSettings
-from jaxpaint.pictures import Drawing, Strokes, fit, plan_strokes, read_drawing
-from jaxpaint.planning import plan_viewpoints
+from jaxpaint.pictures import (
+    Drawing,
+    FillSettings,
+    RasterSettings,
+    Strokes,
+    fit,
+    plan_strokes,
+    read_drawing,
+)
+from jaxpaint.pictures.fills import Style
+from jaxpaint.pictures.ink_settings import Reading, Side, Threshold
+from jaxpaint.planning import Viewpoints
 from opt.wbc import default_settings
 from sims.limits import robot_limits
 from sims.noise import noise_preset
 from sims.paint import Brush, PaintGrid, canvas_extent
 from sims.painting.job import CONTROL_PERIOD, SURVEY, Job
 from sims.painting.survey import survey
-from sims.robots import load_robot
+from sims.robots import Robot, check_can_paint, load_robot, robot_model
 from sims.scenes.canvases import canvas_for
-from sims.scenes.captured import captured
+from sims.scenes.mesh_walls import read_wall
 from sims.scenes.scene import Scene
 from sims.scenes.walls import make_wall
 from sims.scoring import Wanted, wanted_area
 from sims.sensors import Camera
+from sims.worlds import Fidelity, Kinematic
 
 # Distance of neighbouring points of a stroke [m].
 SPACING = 0.005
@@ -38,7 +51,7 @@ _RIM = 0.06
 class PaintTask:
     """A job with what only the host needs: the picture, where paint goes and where it should go.
 
-    notes: guesses to tell the user. resolved: options left open, as they were chosen.
+    views: of the scan. notes: guesses to tell the user. resolved: options left open, as they were chosen.
     """
 
     job: Job
@@ -46,28 +59,23 @@ class PaintTask:
     strokes: Strokes
     grid: PaintGrid
     wanted: Wanted
+    views: Viewpoints
     notes: tuple[str, ...]
     resolved: dict
 
 
 def paint_task(options: PaintOptions) -> PaintTask:
     """Reads the inputs and puts the job together. Raises InputError."""
-    picture = read_drawing(options.image or built_in_drawing())
-    robot = load_robot(options.robot)
+    picture = read_drawing(options.image or built_in_drawing(), _raster(options))
+    robot = _robot(options)
     scene, canvas, notes = _place(options)
     size = (float(canvas.size[0]), float(canvas.size[1]))
     drawing = fit(picture, size)
-    strokes = plan_strokes(drawing, SPACING)
+    fill = _fill(options)
+    strokes = plan_strokes(drawing, SPACING, radius=options.brush_radius, fill=fill)
     camera, limits = Camera(), robot_limits(robot)
     seed = jax.random.key(options.seed)
-    home = (float(limits.home[0]), float(limits.home[1]))
-    profile, echoes = survey(scene, canvas, robot, home, key=jax.random.fold_in(seed, SURVEY))
-    middle, field = (
-        float(canvas.center[2]),
-        (camera.width / float(camera.fx), camera.height / float(camera.fy)),
-    )
-    rims = (middle - size[1] / 2, middle + size[1] / 2)
-    views = plan_viewpoints(profile, rims, field, home, np.asarray(robot.footprint, float), echoes)
+    views, echoes = survey(scene, canvas, robot, camera, key=jax.random.fold_in(seed, SURVEY))
     job = Job(
         robot=robot,
         limits=limits,
@@ -77,22 +85,55 @@ def paint_task(options: PaintOptions) -> PaintTask:
         noise=noise_preset(options.noise),
         brush=Brush(radius=options.brush_radius, nominal_speed=options.speed),
         thresholds=default_thresholds(**options.threshold_changes()),
-        settings=default_settings(),
+        settings=default_settings(arm_joints=robot.home.shape[0]),
         mapping=MappingSettings(brush_radius=options.brush_radius),
         picture=jnp.asarray(strokes.points, float),
         stroke=jnp.asarray(strokes.stroke, jnp.int32),
         camera_place=jnp.asarray(views.camera, float),
-        camera_heading=jnp.asarray(views.heading, float),
+        camera_rotation=jnp.asarray(views.rotation, float),
         camera_base=jnp.asarray(views.base, float),
         echoes=jnp.asarray(echoes, float),
         speed=jnp.asarray(options.speed),
         dt=jnp.asarray(CONTROL_PERIOD),
         seed=jax.random.key_data(seed),
+        fidelity=_fidelity(options),
+        colour=jnp.asarray(strokes.colour, jnp.int32),
+        tool_change=jnp.asarray(options.tool_change_time),
     )
     extent = canvas_extent(scene, canvas, margin=_RIM + 2 * options.brush_radius)
     grid = PaintGrid.covering(*extent, options.brush_radius / 5)
-    wanted = wanted_area(drawing.lines, scene, canvas, extent, options.brush_radius)
-    return PaintTask(job, drawing, strokes, grid, wanted, notes, _resolved(options, job))
+    outlines = options.fill == "outline"
+    wanted = wanted_area(drawing, scene, canvas, extent, options.brush_radius, outlines=outlines)
+    return PaintTask(job, drawing, strokes, grid, wanted, views, notes, _resolved(options, job))
+
+
+def _fill(options: PaintOptions) -> FillSettings:
+    """How areas are painted."""
+    angle = math.radians(options.fill_angle_deg)
+    return FillSettings(cast(Style, options.fill), options.fill_overlap, angle, options.bleed)
+
+
+def _raster(options: PaintOptions) -> RasterSettings:
+    """How ink is found in pixels."""
+    style, threshold = cast(Reading, options.line_art), cast(Threshold, options.threshold)
+    return RasterSettings(style, threshold, cast(Side, options.ink), options.colours)
+
+
+def _robot(options: PaintOptions) -> Robot:
+    robot = load_robot(options.robot, brush_site=options.brush_site, camera_site=options.camera_site)
+    try:
+        check_can_paint(robot)
+    except InputError as error:
+        raise InputError(f"robot {options.robot}: {error}") from error
+    return robot
+
+
+def _fidelity(options: PaintOptions) -> Fidelity:
+    if options.fidelity == "kinematic":
+        return Kinematic()
+    from sims.dynamics import dynamic  # MJX takes a second to import
+
+    return dynamic(robot_model(options.robot, brush_site=options.brush_site, camera_site=options.camera_site))
 
 
 def _place(options: PaintOptions) -> tuple[Scene, Canvas, tuple[str, ...]]:
@@ -101,8 +142,13 @@ def _place(options: PaintOptions) -> tuple[Scene, Canvas, tuple[str, ...]]:
     if file is None:
         scene = make_wall(str(options.wall))
         return scene, canvas_for(scene, options.canvas_size, options.canvas_pose), ()
-    cloud = read_cloud(file, scale=options.wall_scale)
-    wall = captured(cloud, up=options.up, height=options.wall_height, canvas_size=options.canvas_size)
+    wall = read_wall(
+        file,
+        up=options.up,
+        scale=options.wall_scale,
+        height=options.wall_height,
+        canvas_size=options.canvas_size,
+    )
     canvas = canvas_for(wall.scene, options.canvas_size, options.canvas_pose, default=wall.canvas)
     return wall.scene, canvas, tuple(wall.report.lines())
 

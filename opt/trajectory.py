@@ -27,7 +27,7 @@ class TrajectoryController(Controller):
 
     The arm does not make good what the base misses: that is what the whole-body controller is for.
 
-    plan: rows of 9 positions (base x, y, yaw in the map frame, arm), 9 velocities, and the pen. gain:
+    plan: rows of positions (base x, y, yaw in the map frame, arm), as many velocities, and the pen. gain:
     feedback [1/s].
     """
 
@@ -45,14 +45,17 @@ class TrajectoryController(Controller):
     ) -> tuple[Decision, TrajectoryMemory]:
         """One control step."""
         row = self.plan.at(clock)
-        q, velocity, pen = row[:9], row[9:18], row[18]
+        n = self.chain.size
+        q, pen = row[:n], row[2 * n]
+        # what is commanded now holds until the next step: the speed half-way there
+        velocity = self.plan.at(clock + dt / 2)[n : 2 * n]
         off = jnp.concatenate(
             [q[:2] - measured.base[:2], wrap(q[2:3] - measured.base[2:]), q[3:] - measured.arm]
         )
         wanted = velocity + self.gain * off
         moving = (jnp.abs(velocity[:3]) > _WORTH_MEASURING).any()
         base = jnp.where(moving, wanted[:3], velocity[:3])
-        steer = jnp.where(moving, base, self.plan.at(clock + _LEAD)[9:12])
+        steer = jnp.where(moving, base, self.plan.at(clock + _LEAD)[n : n + 3])
         yaw = measured.base[2]
         command = Command(body_twist(base, yaw), body_twist(steer, yaw), wanted[3:])
         zero = jnp.zeros_like(clock)

@@ -8,6 +8,7 @@ MODULES = {
     "paint": "experiments.commands.paint",
     "reproduce": "experiments.commands.reproduce",
     "bench": "experiments.commands.bench",
+    "compare": "experiments.commands.compare",
 }
 """Name of each command, and the module whose `COMMAND` it is."""
 

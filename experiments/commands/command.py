@@ -41,7 +41,8 @@ class Outcome:
     summary: the keys of summary.json that are the command's own, in order. tables: what a person reads on
     standard output. report: makes the page from the whole summary, None for a command without one. resolved:
     options that were left to the program, as it chose them; they go into the summary's config. failure: why
-    the work as a whole failed though there are results, None for success.
+    the work as a whole failed though there are results, None for success. interrupted: a signal broke
+    the work off, and these are the results so far.
     """
 
     summary: Mapping[str, Any]
@@ -49,6 +50,7 @@ class Outcome:
     report: Callable[[Mapping[str, Any]], "Page"] | None = None
     resolved: Mapping[str, Any] = dataclasses.field(default_factory=dict)
     failure: str | None = None
+    interrupted: bool = False
 
 
 @dataclasses.dataclass(frozen=True)

@@ -14,18 +14,24 @@ from experiments.tables import Table, in_words, quantity
 
 def execute(options: PaintOptions, folder: RunFolder) -> Outcome:
     """Run the pipeline and write runs.parquet and trajectories.npz."""
+    from experiments.exports import export
     from experiments.paint import run
     from experiments.report.paint import build_page
 
     found = run(options, progress)
     write_parquet(folder.path("runs.parquet"), found.worlds)
     write_trajectories(folder.path("trajectories.npz"), found.trajectories, TRAJECTORIES)
+    if found.preview:
+        folder.path("strokes.png").write_bytes(found.preview)
+    if found.plan is not None:
+        export(found.plan, folder.path(""), options.export)
     return Outcome(
         summary=found.summary,
         tables=(result_table(options, found),),
         report=lambda summary: build_page(found.report, summary, found.worlds, found.notes),
         resolved=found.resolved,
         failure=found.failure,
+        interrupted=found.interrupted,
     )
 
 

@@ -9,10 +9,9 @@ from experiments import values as allowed
 from experiments.commands.command import RunOptions
 from experiments.options import refuse
 
-PICTURES = (".svg",)
-CLOUDS = (".ply", ".pcd", ".xyz", ".npz")
-WALLS = ("flat", "corner", "cylinder")
-LATER_WALLS = ("objects", "room", ".stl", ".obj")
+PICTURES = (".svg", ".png", ".jpg", ".jpeg")
+CAPTURES = (".ply", ".pcd", ".xyz", ".npz", ".stl", ".obj")
+WALLS = ("flat", "corner", "cylinder", "objects", "room")
 AXES = ("x", "y", "z", "+x", "+y", "+z", "-x", "-y", "-z")
 NOISES = ("s1-simulation", "none")
 
@@ -21,16 +20,14 @@ NOISES = ("s1-simulation", "none")
 class PaintOptions(RunOptions):
     """Paint a picture on a wall in many randomised worlds: scan, map, decide, move, lay paint, score."""
 
-    image: Annotated[
-        Path | None, allowed.file(*PICTURES, later=(".png", ".jpg"), unset="the built-in drawing")
-    ] = None
+    image: Annotated[Path | None, allowed.file(*PICTURES, unset="the built-in drawing")] = None
     """Picture to paint."""
-    wall: Annotated[str | Path, allowed.name_or_file(WALLS, CLOUDS, LATER_WALLS)] = "flat"
-    """Kind of wall, or a captured cloud as the wall."""
+    wall: Annotated[str | Path, allowed.name_or_file(WALLS, CAPTURES)] = "flat"
+    """Kind of wall, or a captured cloud or a mesh as the wall."""
     worlds: Annotated[int, allowed.whole("N", at_least=1)] = 64
     """Randomised worlds, all at once."""
-    fidelity: Annotated[str, allowed.choice("kinematic", later=("dynamic", "wheeled"))] = "kinematic"
-    """How the robot moves: commanded velocities within limits (kinematic), or by physics."""
+    fidelity: Annotated[str, allowed.choice("kinematic", "dynamic", later=("wheeled",))] = "kinematic"
+    """How the robot moves: commanded velocities within limits (kinematic), or by servos (dynamic)."""
     refine: Annotated[str, allowed.choice("none", later=("agn",))] = "none"
     """What improves the scanned cloud before it is used."""
     controller: Annotated[str, allowed.choice("acp", "whole-body", "trajectory")] = "acp"
@@ -56,8 +53,34 @@ class PaintOptions(RunOptions):
     """Radius of the brush's contact [m]."""
     speed: Annotated[float, allowed.number("M/S", above=0)] = 0.03
     """Speed of the brush along a stroke [m/s]."""
-    robot: Annotated[Path | None, allowed.file(".xml", unset="the reference robot")] = None
-    """MJCF of another robot, with named base joints, arm joints and brush site."""
+    fill: Annotated[str, allowed.choice("hatch", "contour", "outline")] = "hatch"
+    """How areas of ink are painted: rim and rows, rims further and further inside, or the rims alone."""
+    fill_overlap: Annotated[float, allowed.number("SHARE", at_least=0, at_most=0.8)] = 0.35
+    """Share of the brush's width that neighbouring rows of a fill share."""
+    fill_angle_deg: Annotated[float, allowed.number("DEG")] = 90.0
+    """Angle of a fill's rows against the horizontal [degrees]."""
+    bleed: Annotated[float, allowed.number("M", at_least=0)] = 0.00125
+    """How far outside the ink of an area the brush's edge goes, so that drift leaves no bare rims [m]."""
+    line_art: Annotated[str, allowed.choice("auto", "skeleton", "area")] = "auto"
+    """How the ink of a PNG or JPEG is read: as centre-lines, as areas, or as it asks for."""
+    threshold: Annotated[str, allowed.choice("auto", "global", "local")] = "auto"
+    """Where a PNG's or JPEG's ink begins: one threshold, one by neighbourhood, or as the light asks for."""
+    ink: Annotated[str, allowed.choice("auto", "dark", "light")] = "auto"
+    """Side of the threshold that is ink; auto: what most of the picture's border is not."""
+    colours: Annotated[int, allowed.whole("N", at_least=0, at_most=8)] = 0
+    """Most colours that a PNG or JPEG is painted in, each a pass; 0: as many as it shows."""
+    tool_change_time: Annotated[float, allowed.number("S", at_least=0)] = 10.0
+    """Time that a change of colour takes, the brush away from the wall [s]."""
+    robot: Annotated[Path | None, allowed.file(".xml", ".urdf", unset="the reference robot")] = None
+    """MJCF or URDF of another robot, with named base joints, arm joints and brush site: docs/robots.md."""
+    brush_site: Annotated[str, allowed.text("NAME")] = "brush"
+    """Site or link at the brush's tip, z out of the tool."""
+    camera_site: Annotated[str, allowed.text("NAME")] = "camera"
+    """Site or link of the wrist camera, z ahead and y down."""
+    export: Annotated[tuple[str, ...], allowed.several("csv", "ros2-json", "ros2-yaml")] = ()
+    """Files of the planned joint trajectory: a table, or a ROS 2 JointTrajectory message: docs/exports.md."""
+    export_world: Annotated[int, allowed.whole("N", at_least=0)] = 0
+    """World whose trajectory is exported."""
     theta: Annotated[float | None, allowed.number("M", above=0, unset="by preset")] = None
     """Base travel after which the base halts [m]: Theta of S1-(13)."""
     dwell: Annotated[float | None, allowed.number("S", at_least=0, unset="by preset")] = None
@@ -80,6 +103,8 @@ class PaintOptions(RunOptions):
         super().check()
         if self.variance_bounds is not None and self.variance_bounds[0] >= self.variance_bounds[1]:
             refuse("--variance-bounds", self.variance_bounds, "LOW below HIGH")
+        if self.export and self.export_world >= self.worlds:
+            refuse("--export-world", self.export_world, f"below --worlds ({self.worlds})")
 
     def captured(self) -> Path | None:
         """The file that is the wall, None for a kind of wall."""

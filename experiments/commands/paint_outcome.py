@@ -8,6 +8,7 @@ import numpy as np
 
 if TYPE_CHECKING:
     from experiments.report.paint import ReportData
+    from sims.painting.joint_plan import JointTrajectory
 
 SUMMARY_KEYS: dict[str, tuple[str, ...]] = {
     "worlds": (),
@@ -55,6 +56,9 @@ class PaintOutcome:
     resolved: options left open (None), as they were chosen, by field name of PaintOptions; a repeat takes
     them as given.
     notes: guesses to tell the user, one sentence each.
+    interrupted: a signal broke the run off, and these are the worlds that were finished.
+    plan: the planned joint trajectory, where it was asked for.
+    preview: PNG of the strokes in their order.
     """
 
     summary: Mapping[str, Any]
@@ -63,6 +67,9 @@ class PaintOutcome:
     report: "ReportData"
     resolved: Mapping[str, Any] = dataclasses.field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    interrupted: bool = False
+    plan: "JointTrajectory | None" = None
+    preview: bytes = b""
 
     def __post_init__(self) -> None:
         for key, below in SUMMARY_KEYS.items():

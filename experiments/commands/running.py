@@ -8,6 +8,7 @@ from typing import Any
 from experiments import tables
 from experiments.commands.command import Command, Outcome, RunOptions
 from experiments.compile_clock import CompileClock
+from experiments.interrupts import held
 from experiments.options import to_config
 from experiments.output import RunFolder, describe_device, describe_versions, write_json
 from experiments.report import render
@@ -16,17 +17,27 @@ from experiments.report import render
 def run(command: Command, options: RunOptions) -> int:
     """Do the work, write its folder, show its tables; exit status 0, or 1 where the work says that it failed.
 
-    InputError and every other exception pass through, and then nothing was written.
+    InputError and every other exception pass through, and then nothing was written. After a signal, what the
+    work kept is written like the rest, and the exit status is the signal's.
     """
     options.check()
-    with RunFolder(command.name, options.out, options.overwrite) as folder:
-        start = time.perf_counter()
-        with CompileClock() as clock:
-            outcome = command.execute(options, folder)
-        seconds = time.perf_counter() - start
-        summary = _summary(command, options, outcome, clock.seconds, seconds)
-        _write(folder, summary, outcome)
+    with held() as interrupts:
+        with RunFolder(command.name, options.out, options.overwrite) as folder:
+            start = time.perf_counter()
+            with CompileClock() as clock:
+                outcome = command.execute(options, folder)
+            interrupts.keep()
+            seconds = time.perf_counter() - start
+            summary = _summary(command, options, outcome, clock.seconds, seconds)
+            _write(folder, summary, outcome)
+        stopped = interrupts.status
     _show(command, folder, outcome)
+    if stopped is not None:
+        _say(
+            command,
+            "interrupted; what was finished is saved" if outcome.interrupted else "interrupted; all is saved",
+        )
+        return stopped
     return 0 if outcome.failure is None else 1
 
 
@@ -43,6 +54,7 @@ def _summary(
         "compile_s": compile_s,
         "run_s": seconds - compile_s,
         **outcome.summary,
+        **({"interrupted": True} if outcome.interrupted else {}),
     }
 
 
@@ -57,4 +69,9 @@ def _show(command: Command, folder: RunFolder, outcome: Outcome) -> None:
     names = [name for name in ("report.html", "summary.json") if (folder.final / name).exists()]
     print("\n".join(str(folder.final / name) for name in names), flush=True)
     if outcome.failure is not None:
-        print(f"jaxpaint {command.name}: failed: {outcome.failure}", file=sys.stderr)
+        _say(command, f"failed: {outcome.failure}")
+
+
+def _say(command: Command, message: str) -> None:
+    """One line on standard error."""
+    print(f"jaxpaint {command.name}: {message}", file=sys.stderr, flush=True)

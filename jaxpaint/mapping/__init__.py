@@ -5,7 +5,15 @@ from jaxpaint.mapping.mapped import Cause, Mapped, count_by_cause
 from jaxpaint.mapping.moves import Move, MoveSettings
 from jaxpaint.mapping.raycast import MappingSettings, cast
 from jaxpaint.mapping.runs import Runs
-from jaxpaint.mapping.timeline import BrushPath, PathSettings, TimedPath, duration, plan_path, sample
+from jaxpaint.mapping.timeline import (
+    BrushPath,
+    PathSettings,
+    TimedPath,
+    colour_at,
+    duration,
+    plan_path,
+    sample,
+)
 
 __all__ = [
     "BrushPath",
@@ -19,6 +27,7 @@ __all__ = [
     "Runs",
     "TimedPath",
     "cast",
+    "colour_at",
     "count_by_cause",
     "duration",
     "plan_path",

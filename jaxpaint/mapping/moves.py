@@ -17,35 +17,44 @@ _SHARE = 0.5**0.5
 class MoveSettings(eqx.Module):
     """Numbers of the pen-up moves; all traced.
 
-    clearance: lift along the normal [m]. margin: distance kept from the known surface on the way [m].
+    clearance: lift along the normal [m]. low: the same for a hop to a neighbour, and slope: how much more for
+    each metre to go, up to the clearance [-]. margin: distance kept from the known surface on the way [m].
     corridor: half the width of the way in which the surface counts [m]. speed [m/s], acceleration [m/s^2],
-    turn_rate [rad/s]: limits of the move.
+    turn_rate [rad/s]: limits of the move. change_height: lift for another tool [m]. change_time: that the
+    change takes [s].
     """
 
     clearance: Float[Array, ""] = eqx.field(default=0.05, converter=jnp.asarray)
+    low: Float[Array, ""] = eqx.field(default=0.025, converter=jnp.asarray)
+    slope: Float[Array, ""] = eqx.field(default=0.5, converter=jnp.asarray)
     margin: Float[Array, ""] = eqx.field(default=0.03, converter=jnp.asarray)
     corridor: Float[Array, ""] = eqx.field(default=0.05, converter=jnp.asarray)
-    speed: Float[Array, ""] = eqx.field(default=0.15, converter=jnp.asarray)
-    acceleration: Float[Array, ""] = eqx.field(default=0.3, converter=jnp.asarray)
-    turn_rate: Float[Array, ""] = eqx.field(default=0.5, converter=jnp.asarray)
+    speed: Float[Array, ""] = eqx.field(default=0.25, converter=jnp.asarray)
+    acceleration: Float[Array, ""] = eqx.field(default=1.0, converter=jnp.asarray)
+    turn_rate: Float[Array, ""] = eqx.field(default=0.8, converter=jnp.asarray)
+    change_height: Float[Array, ""] = eqx.field(default=0.25, converter=jnp.asarray)
+    change_time: Float[Array, ""] = eqx.field(default=5.0, converter=jnp.asarray)
 
 
 class Move(eqx.Module):
     """A move between two points of the surface, in the map frame.
 
-    start, end: points on the surface [m]. leave, arrive: unit normals there. bump: lift of the way's middle
-    over the straight line [m]. length: the way's length for its time law [m]. rises, lowers: whether it
-    starts and ends on the surface; where not, it starts or ends lifted.
+    start, end: points on the surface [m]. leave, arrive: unit normals there. lift: height of the straight
+    line over them [m]. bump: lift of the way's middle over that line [m]. length: the way's length for its
+    time law [m]. rises, lowers: whether it starts and ends on the surface; where not, it starts or ends
+    lifted. changes: whether the tool is changed, at the top before the way over the surface.
     """
 
     start: Float[Array, "3"]
     end: Float[Array, "3"]
     leave: Float[Array, "3"]
     arrive: Float[Array, "3"]
+    lift: Float[Array, ""]
     bump: Float[Array, "3"]
     length: Float[Array, ""]
     rises: Bool[Array, ""]
     lowers: Bool[Array, ""]
+    changes: Bool[Array, ""]
 
 
 def plan_move(
@@ -54,29 +63,42 @@ def plan_move(
     obstacles: Float[Array, "M 3"],
     counts: Bool[Array, "M"],
     settings: MoveSettings,
+    *,
+    on_surface: tuple[Bool[Array, ""], Bool[Array, ""]],
+    changes: Bool[Array, ""],
 ) -> Move:
     """The move over the straight line between two lifted points, with a bump where the surface needs it.
 
     The bump is a parabola along the mean normal. It follows the arc that turns from one normal to the other,
     as over a cylinder, and clears by the margin every point that counts in the corridor below the way.
+    on_surface: whether it starts and ends there.
     """
     start, end = ends
     leave, arrive = normals
-    from_, to = start + settings.clearance * leave, end + settings.clearance * arrive
+    rises, lowers = on_surface
+    lift = _lift(norm(end - start), rises & lowers, changes, settings)
+    from_, to = start + lift * leave, end + lift * arrive
     up = unit(leave + arrive, otherwise=leave)
     straight = norm(to - from_)
     bulges = jnp.sum((end - start) * (arrive - leave)) > 0
     half = norm(arrive - leave) / jnp.maximum(norm(arrive + leave), 1e-2)
     arc = jnp.where(bulges, straight * half / (1 + jnp.sqrt(1 + half * half)) / 2, 0)
-    height = jnp.maximum(arc, _needed(from_, to, up, obstacles, counts, settings))
+    margin = jnp.minimum(settings.margin, 0.6 * lift)  # a low hop clears what it hops over, not more
+    height = jnp.maximum(arc, _needed(from_, to, up, obstacles, counts, margin, settings))
     turning = 2 * half * settings.speed / settings.turn_rate
     steepest = jnp.maximum(norm(to - from_ + 4 * height * up), norm(to - from_ - 4 * height * up))
-    length = jnp.maximum(jnp.maximum(steepest, turning), settings.clearance)
-    yes = jnp.asarray(True)
-    return Move(start, end, leave, arrive, height * up, length, yes, yes)
+    length = jnp.maximum(jnp.maximum(steepest, turning), lift)
+    return Move(start, end, leave, arrive, lift, height * up, length, rises, lowers, changes)
 
 
-def _needed(from_, to, up, obstacles, counts, settings: MoveSettings) -> Float[Array, ""]:
+def _lift(distance, both, changes, settings: MoveSettings) -> Float[Array, ""]:
+    """How high [m]: little for a hop to a neighbour, much for another tool."""
+    hop = jnp.minimum(settings.low + settings.slope * distance, settings.clearance)
+    usual = jnp.where(both, hop, settings.clearance)
+    return jnp.where(changes, settings.change_height, usual)
+
+
+def _needed(from_, to, up, obstacles, counts, margin, settings: MoveSettings) -> Float[Array, ""]:
     """Height of the bump that clears all points in the corridor [m]."""
     along = (to - from_) - jnp.sum((to - from_) * up) * up
     span = jnp.sum(along * along)
@@ -85,14 +107,14 @@ def _needed(from_, to, up, obstacles, counts, settings: MoveSettings) -> Float[A
     above = jnp.sum(offset * up, axis=-1)
     aside = jnp.sum(offset * offset, axis=-1) - above * above
     below = counts & (share > 0) & (share < 1) & (aside < jnp.square(settings.corridor)) & (span > 1e-6)
-    height = (above + settings.margin) / jnp.maximum(_bump(share), _FLATTEST)
+    height = (above + margin) / jnp.maximum(_bump(share), _FLATTEST)
     return jnp.max(jnp.where(below, height, 0), initial=0)
 
 
 def move_time(move: Move, settings: MoveSettings) -> Float[Array, ""]:
     """Time of the move [s]."""
-    lift, slide = _times(move, settings)
-    return jnp.where(move.rises & move.lowers, lift + slide, lift)
+    lift, begin, slide = _times(move, settings)
+    return jnp.where(move.rises & move.lowers, begin + slide + lift / 2, lift)
 
 
 def move_pose(
@@ -101,29 +123,31 @@ def move_pose(
     """Position [m] and unit normal at a time since the move's start [s]: twice continuously differentiable in
     time.
 
-    The way over the surface starts when half of the lift's time is over, and the same before the end.
+    The way over the surface starts when half of the lift's time is over, and the same before the end; for
+    another tool it starts when that has been changed.
     """
-    lift, slide = _times(move, settings)
-    gentle = settings.acceleration * _SHARE
-    whole = settings.clearance
-    up = jnp.where(move.rises, travelled(time, whole, settings.speed, gentle), whole)
-    starts = jnp.where(move.rises, slide, 0)
-    down = jnp.where(move.lowers, travelled(time - starts, whole, settings.speed, gentle), 0)
+    lift, begin, slide = _times(move, settings)
     both = move.rises & move.lowers
-    done = jnp.where(both, travelled(time - lift / 2, move.length, settings.speed, gentle), 0) / move.length
+    gentle = settings.acceleration * _SHARE
+    up = jnp.where(move.rises, travelled(time, move.lift, settings.speed, gentle), move.lift)
+    starts = jnp.where(both, begin + slide - lift / 2, 0)
+    down = jnp.where(move.lowers, travelled(time - starts, move.lift, settings.speed, gentle), 0)
+    done = jnp.where(both, travelled(time - begin, move.length, settings.speed, gentle), 0) / move.length
     normal = (1 - done) * move.leave + done * move.arrive
     line = (1 - done) * move.start + done * move.end
     return line + (up - down) * normal + _bump(done) * move.bump, unit(normal, otherwise=move.leave)
 
 
-def _times(move: Move, settings: MoveSettings) -> tuple[Float[Array, ""], Float[Array, ""]]:
-    """Time of the lift and of the way over the surface [s].
+def _times(move: Move, settings: MoveSettings) -> tuple[Float[Array, ""], Float[Array, ""], Float[Array, ""]]:
+    """Time of the lift, when the way over the surface starts, and its time [s].
 
-    The two overlap, each braking or starting at right angles to the other: each has 1 / sqrt(2) of the
+    Lift and way overlap, each braking or starting at right angles to the other: each has 1 / sqrt(2) of the
     acceleration.
     """
     gentle = settings.acceleration * _SHARE
-    return time_for(settings.clearance, settings.speed, gentle), time_for(move.length, settings.speed, gentle)
+    lift = time_for(move.lift, settings.speed, gentle)
+    begin = jnp.where(move.changes, lift + settings.change_time, lift / 2)
+    return lift, begin, time_for(move.length, settings.speed, gentle)
 
 
 def _bump(share: Float[Array, "*n"]) -> Float[Array, "*n"]:

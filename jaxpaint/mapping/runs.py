@@ -15,12 +15,14 @@ _REACH = 24
 class Runs(eqx.Module):
     """Where each run lies in the list of points; a run is a stretch of neighbours.
 
-    first, last: index of its ends. stroke: the stroke it is part of. live: whether the slot holds a run.
+    first, last: index of its ends. stroke: the stroke it is part of. colour: the tool that draws it. live:
+    whether the slot holds a run.
     """
 
     first: Int[Array, "R"]
     last: Int[Array, "R"]
     stroke: Int[Array, "R"]
+    colour: Int[Array, "R"]
     live: Bool[Array, "R"]
 
 
@@ -67,9 +69,16 @@ def smooth_normals(mapped: Mapped, link: Bool[Array, "P"], length: Float[Array, 
 
 
 def find_runs(
-    mapped: Mapped, stroke: Int[Array, "P"], link: Bool[Array, "P"], shortest: Float[Array, ""], most: int
+    mapped: Mapped,
+    stroke: Int[Array, "P"],
+    link: Bool[Array, "P"],
+    shortest: Float[Array, ""],
+    most: int,
+    colour: Int[Array, "strokes"] | None = None,
 ) -> tuple[Runs, Int[Array, "P"]]:
     """The runs in the points' order, and the points' status with what was left out.
+
+    colour: of each stroke; all the first, if not given.
 
     A run shorter than `shortest` [m] is left out as SHORT; runs beyond the `most` that there is room for as
     OVERFLOW.
@@ -89,4 +98,8 @@ def find_runs(
     live = jnp.arange(most) < jnp.sum(begins)
     status = jnp.where(hit & ~keep, Cause.SHORT, jnp.where(keep & ~fits, Cause.OVERFLOW, mapped.status))
     first, last = jnp.where(live, first, 0), jnp.where(live, last, 0)
-    return Runs(first, last, jnp.where(live, stroke[first], -1), live), status.astype(mapped.status.dtype)
+    of = jnp.where(live, stroke[first], -1)
+    tool = (
+        jnp.zeros_like(of) if colour is None else jnp.where(live, colour[stroke[first]], 0).astype(of.dtype)
+    )
+    return Runs(first, last, of, tool, live), status.astype(mapped.status.dtype)

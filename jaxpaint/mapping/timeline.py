@@ -3,6 +3,7 @@
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from jaxpaint.mapping.mapped import Cause, Mapped
@@ -10,6 +11,10 @@ from jaxpaint.mapping.moves import Move, MoveSettings, move_pose, move_time, pla
 from jaxpaint.mapping.planes import unit
 from jaxpaint.mapping.runs import Runs, find_runs, linked, smooth_normals, steps
 from jaxpaint.mapping.time_law import time_for, travelled
+
+# Points of the picture that stand for the surface where moves look for obstacles; moves and times that are
+# worked on at once, so that memory does not grow with the picture.
+_LOOKED_AT, _MOVES_AT_ONCE, _TIMES_AT_ONCE = 1024, 32, 4096
 
 
 class PathSettings(eqx.Module):
@@ -57,8 +62,8 @@ class TimedPath(eqx.Module):
     """The brush in the map frame at each control step.
 
     position [m]; rotation R_map_brush: z into the surface, x along the canvas' u, y = z x x; velocity [m/s];
-    angular_velocity in map axes [rad/s]; pen: 1 down, 0 up; run: the run that is drawn or moved to; live: the
-    path has not ended. After its end the brush stays.
+    angular_velocity in map axes [rad/s]; pen: 1 down, 0 up; run: the run that is drawn or moved to; colour:
+    the tool of that run; live: the path has not ended. After its end the brush stays.
     """
 
     position: Float[Array, "T 3"]
@@ -67,6 +72,7 @@ class TimedPath(eqx.Module):
     angular_velocity: Float[Array, "T 3"]
     pen: Float[Array, "T"]
     run: Int[Array, "T"]
+    colour: Int[Array, "T"]
     live: Bool[Array, "T"]
 
 
@@ -77,20 +83,24 @@ def plan_path(
     settings: PathSettings | None = None,
     *,
     obstacles: Float[Array, "M 3"] | None = None,
+    colour: Int[Array, "strokes"] | None = None,
     max_runs: int = 96,
 ) -> BrushPath:
     """Put the mapped points of all strokes, in painting order, on one clock.
 
     Pen down on runs of neighbouring hits of one stroke; between them the pen lifts, travels clear of every
-    mapped point and of the `obstacles` (further points of the surface in the map frame [m]; NaN is no point,
-    and a single one lifts a move) and comes down again. The path starts over its first point and ends over
-    its last. Runs beyond `max_runs` are left out and their points marked OVERFLOW. A path without runs lasts
-    0 s and stays over the first point.
+    mapped point, of which at most a thousand are looked at, and of the `obstacles` (further points of the
+    surface in the map frame [m]; NaN is no point, and a single one lifts a move) and comes down again.
+    colour: the tool of each stroke; where it changes the pen goes further away and waits for the change.
+    The path starts over its first point and ends over its last. Runs beyond `max_runs` are left out and their
+    points marked OVERFLOW. A path without runs lasts 0 s and stays over the first point.
+
+    The cost grows with the points and with the runs, not with their product.
     """
     settings = settings or PathSettings()
     link = linked(mapped, stroke, settings.jump, settings.turn)
     mapped = smooth_normals(mapped, link, settings.smoothing)
-    runs, status = find_runs(mapped, stroke, link, settings.shortest, max_runs)
+    runs, status = find_runs(mapped, stroke, link, settings.shortest, max_runs, colour)
     place = jnp.cumsum(jnp.where(link, steps(mapped.p_map), 0))
     moves = _plan_moves(mapped, runs, obstacles, settings)
     number = jnp.sum(runs.live)
@@ -117,20 +127,31 @@ def _plan_moves(
     rises, lowers = slot > 0, slot < number
     start = jnp.where(rises, jnp.roll(jnp.append(runs.last, 0), 1), runs.first[0])
     end = jnp.where(lowers, jnp.append(runs.first, 0), start)
-    seen = (mapped.status != Cause.MISS) & (mapped.status != Cause.FRONT)
-    surface = mapped.p_map
-    if obstacles is not None:
-        real = jnp.isfinite(obstacles).all(-1)
-        surface = jnp.concatenate([surface, jnp.where(real[:, None], obstacles, 0)])
-        seen = jnp.concatenate([seen, real])
+    before = jnp.roll(jnp.append(runs.colour, 0), 1)
+    changes = rises & lowers & (jnp.append(runs.colour, 0) != before)
+    surface, seen = _to_look_at(mapped, obstacles)
 
-    def plan(start, end, rises, lowers):
+    def plan(row):
+        start, end, rises, lowers, changes = row
         ends = mapped.p_map[start], mapped.p_map[end]
         normals = mapped.normal[start], mapped.normal[end]
-        move = plan_move(ends, normals, surface, seen, settings.move)
-        return eqx.tree_at(lambda move: (move.rises, move.lowers), move, (rises, lowers))
+        on_surface = (rises, lowers)
+        return plan_move(ends, normals, surface, seen, settings.move, on_surface=on_surface, changes=changes)
 
-    return jax.vmap(plan)(start, end, rises, lowers)
+    return jax.lax.map(plan, (start, end, rises, lowers, changes), batch_size=_MOVES_AT_ONCE)
+
+
+def _to_look_at(mapped: Mapped, obstacles: Float[Array, "M 3"] | None):
+    """Points that stand for the surface, and which of them are real."""
+    number = mapped.status.shape[0]
+    some = np.unique(np.linspace(0, number - 1, min(number, _LOOKED_AT)).round().astype(int))
+    status = mapped.status[some]
+    surface, seen = mapped.p_map[some], (status != Cause.MISS) & (status != Cause.FRONT)
+    if obstacles is None:
+        return surface, seen
+    real = jnp.isfinite(obstacles).all(-1)
+    surface = jnp.concatenate([surface, jnp.where(real[:, None], obstacles, 0)])
+    return surface, jnp.concatenate([seen, real])
 
 
 def duration(path: BrushPath) -> Float[Array, ""]:
@@ -154,7 +175,23 @@ def sample(path: BrushPath, dt: Float[Array, ""], steps: int) -> TimedPath:
         angular = jnp.sum(jnp.cross(rotation, spin, axis=0), axis=1) / 2
         return position, rotation, velocity, angular, pen, run
 
-    return TimedPath(*jax.vmap(at)(time), (time < path.end))
+    position, rotation, velocity, angular, pen, run = jax.lax.map(at, time, batch_size=_TIMES_AT_ONCE)
+    return TimedPath(
+        position, rotation, velocity, angular, pen, run, path.runs.colour[run], (time < path.end)
+    )
+
+
+def colour_at(path: BrushPath, time: Float[Array, "*t"]) -> Int[Array, "*t"]:
+    """The tool in hand at times of the path [s]: it changes at the begin of the move to the first run that it
+    draws.
+    """
+    return path.runs.colour[_run_at(path, time)]
+
+
+def _run_at(path: BrushPath, time: Float[Array, "*t"]) -> Int[Array, "*t"]:
+    """The run that is drawn or moved to."""
+    last = jnp.maximum(jnp.sum(path.runs.live) - 1, 0)
+    return jnp.clip(jnp.searchsorted(path.begins, time, side="right") - 1, 0, last)
 
 
 def _pose(path: BrushPath, time: Float[Array, ""]):

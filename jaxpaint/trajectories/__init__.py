@@ -1,19 +1,37 @@
 """Motion of joints in time, within limits, and whether it stays clear of the wall."""
 
-from jaxpaint.trajectories.clearance import clearance
-from jaxpaint.trajectories.quintic import Quintic, State, evaluate, fastest_quintic, quintic, rest_duration
-from jaxpaint.trajectories.waypoints import Trajectory, plan, plan_base_and_arm, sample
+from jaxpaint.trajectories.clearance import Obstacles, clearance, gap_on_the_way
+from jaxpaint.trajectories.detours import choose, detours
+from jaxpaint.trajectories.s_curve import Progress, SCurve, progress, s_curve, stretched
+from jaxpaint.trajectories.torque import plan_within_torque, slow_down
+from jaxpaint.trajectories.waypoints import (
+    Limits,
+    State,
+    Trajectory,
+    on_segment,
+    plan_base_and_arm,
+    sample,
+    slowed,
+)
 
 __all__ = [
-    "Quintic",
+    "Limits",
+    "Obstacles",
+    "Progress",
+    "SCurve",
     "State",
     "Trajectory",
+    "choose",
     "clearance",
-    "evaluate",
-    "fastest_quintic",
-    "plan",
+    "detours",
+    "gap_on_the_way",
+    "on_segment",
     "plan_base_and_arm",
-    "quintic",
-    "rest_duration",
+    "plan_within_torque",
+    "progress",
+    "s_curve",
     "sample",
+    "slow_down",
+    "slowed",
+    "stretched",
 ]

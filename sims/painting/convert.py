@@ -1,5 +1,7 @@
 """One controller's plan as the other's: what a forced or unexpected decision needs."""
 
+import dataclasses
+
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -11,8 +13,8 @@ from jaxpaint.kinematics.chain import KinematicChain, jacobian
 from sims.odometry import Slip
 from sims.painting.drive import BrushPlan, JointPlan, drive
 from sims.painting.job import PAINT, Job
-from sims.rollout import RECORD_EVERY
-from sims.worlds import World, standing
+from sims.rollout import RECORD_EVERY, Record
+from sims.worlds import Kinematic, World, standing
 
 _STATION_EVERY = 25
 
@@ -22,25 +24,36 @@ def joints_for_brush(job: Job, plan: BrushPlan, worlds: World, index: Int[Array,
 
     The robot plans with its model of itself, from what it believes of its posture.
     """
+    return joints_of(job, ideal_run(job, plan, worlds, index))
+
+
+def ideal_run(job: Job, plan: BrushPlan, worlds: World, index: Int[Array, " worlds"]) -> Record:
+    """What a robot records that follows the path and never slips, from where the worlds' robots believe to
+    stand.
+    """
     still = jax.tree.map(jnp.zeros_like, job.noise.odometry)
-    ideal = eqx.tree_at(lambda j: j.noise.odometry, job, still)
+    ideal = eqx.tree_at(lambda j: j.noise.odometry, dataclasses.replace(job, fidelity=Kinematic()), still)
     one = jnp.ones_like(worlds.slip.travel)
     wheels = worlds.wheels.angle.shape[-1]
     twin = jax.vmap(lambda base, arm, slip: standing(base, arm, slip, wheels))(
         worlds.odometry, worlds.arm, Slip(one, one, 0 * one)
     )
-    record = drive(ideal, plan, twin, index, PAINT).record
+    return drive(ideal, plan, twin, index, PAINT).record
+
+
+def joints_of(job: Job, record: Record) -> JointPlan:
+    """A record's joints as a plan, on the time of the run."""
     q = np.concatenate([record.odometry, record.arm], axis=-1)
     step = float(job.dt) * RECORD_EVERY
     speed = np.concatenate([np.diff(q, axis=1) / step, np.zeros_like(q[:, :1])], axis=1)
-    rows = np.concatenate([q, speed, record.pen[..., None]], axis=-1)
-    length = (record.live.sum(axis=1) * step).astype(rows.dtype)
+    rows = np.concatenate([q, speed, np.asarray(record.pen)[..., None]], axis=-1)
+    length = (np.asarray(record.live).sum(axis=1) * step).astype(rows.dtype)
     return JointPlan(rows, np.full_like(length, step), 0 * length, length)
 
 
-def _brush_row(chain: KinematicChain, row: Float[Array, "19"]) -> Float[Array, "19"]:
-    pose, J = jacobian(chain, row[:9])
-    twist = (J * row[9:18]).sum(-1)
+def _brush_row(chain: KinematicChain, row: Float[Array, "k"]) -> Float[Array, "19"]:
+    pose, J = jacobian(chain, row[: chain.size])
+    twist = (J * row[chain.size : 2 * chain.size]).sum(-1)
     return jnp.concatenate([pose.p, pose.R.reshape(-1), twist, jnp.zeros(1, row.dtype)])
 
 

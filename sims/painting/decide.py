@@ -9,20 +9,18 @@ from jaxtyping import Array, Bool, Float
 
 from jaxpaint.compiling import one_by_one
 from jaxpaint.decisions.modes import decide
-from jaxpaint.kinematics.pose import Pose
 from jaxpaint.kinematics.rotations import frame_from_axis
 from jaxpaint.mapping.mapped import Cause
 from jaxpaint.mapping.timeline import BrushPath
 from sims.painting.job import Job
-from sims.painting.scan import view_pose
 
 Chooser = Literal["acp", "whole-body", "trajectory"]
 
 
 def waypoint_mode(job: Job) -> Float[Array, ""]:
     """1 if the viewpoints look like a path, 0 if they are independent waypoints; the same in all worlds."""
-    views: Pose = jax.vmap(view_pose)(job.camera_place, job.camera_heading)
-    return decide(views.p, views.R, jnp.ones(job.camera_heading.shape, bool), job.thresholds).whole_body
+    every = jnp.ones(job.camera_place.shape[:1], bool)
+    return decide(job.camera_place, job.camera_rotation, every, job.thresholds).whole_body
 
 
 def path_mode(job: Job, path: BrushPath) -> Float[Array, ""]:

@@ -32,11 +32,11 @@ Rows = Array | np.ndarray
 
 
 class JointPlan(NamedTuple):
-    """Rows of 9 positions, 9 velocities and the pen every `step` [s], from `origin` [s]; and the duration
-    [s].
+    """Rows of joint positions, their velocities and the pen every `step` [s], from `origin` [s]; and the
+    duration [s].
     """
 
-    rows: Float[Rows, "t 19"]
+    rows: Float[Rows, "t k"]
     step: Float[Rows, ""]
     origin: Float[Rows, ""]
     duration: Float[Rows, ""]
@@ -87,7 +87,7 @@ def _whole_body(job: Job, plan: BrushPlan) -> WholeBodyController:
 
 
 def _starts(controller: Callable) -> Callable:
-    return lambda job, plan, world: start(controller(job, plan), world)
+    return lambda job, plan, world: start(controller(job, plan), job.fidelity, world)
 
 
 def _blocks(controller: Callable) -> Callable:
@@ -95,6 +95,7 @@ def _blocks(controller: Callable) -> Callable:
         key = jax.random.fold_in(job.key(world, number[0]), number[1])
         return run_block(
             controller(job, plan),
+            job.fidelity,
             job.limits,
             job.noise.odometry,
             job.dt,

@@ -13,6 +13,7 @@ from sims.paint import Brush
 from sims.robots import Robot
 from sims.scenes.scene import Scene
 from sims.sensors import Camera
+from sims.worlds import Fidelity, Kinematic
 
 # One control step [s].
 CONTROL_PERIOD = 0.02
@@ -22,9 +23,10 @@ class Job(eqx.Module):
     """What all worlds share; every leaf is traced.
 
     picture: canvas points of the strokes in order [m], stroke: which stroke each belongs to. camera_place,
-    camera_heading, camera_base: the viewpoints, see `jaxpaint.planning.Viewpoints`. echoes: what the lidar
+    camera_rotation, camera_base: the viewpoints, see `jaxpaint.planning.Viewpoints`. echoes: what the lidar
     saw of the wall before the scan (x, y) [m], NaN for nothing. seed: key data of the job's random numbers.
-    speed: of the brush [m/s].
+    speed: of the brush [m/s]. fidelity: how truly worlds move. colour: of each stroke; None: all are one.
+    tool_change: time that a change of colour takes [s].
     """
 
     robot: Robot
@@ -40,12 +42,15 @@ class Job(eqx.Module):
     picture: Float[Array, "points 2"]
     stroke: Int[Array, " points"]
     camera_place: Float[Array, "views 3"]
-    camera_heading: Float[Array, " views"]
+    camera_rotation: Float[Array, "views 3 3"]
     camera_base: Float[Array, "views 3"]
     echoes: Float[Array, "beams 2"]
     speed: Float[Array, ""]
     dt: Float[Array, ""]
     seed: UInt32[Array, "2"]
+    fidelity: Fidelity = Kinematic()
+    colour: Int[Array, " strokes"] | None = None
+    tool_change: Float[Array, ""] | float = 10.0
 
     def key(self, world: Int[Array, ""], purpose: int | Int[Array, ""]) -> PRNGKeyArray:
         """A world's random numbers for one purpose: they depend on its index, not on who runs beside it."""

@@ -1,21 +1,32 @@
 """What the run really did: the true brush, the paint it laid, and the scores of tracking."""
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float
+from jaxtyping import Array, Bool, Float, Int
 
 from jaxpaint.compiling import batched, one_by_one
 from jaxpaint.kinematics.chain import KinematicChain, forward
 from sims.paint import Brush, Paint, PaintGrid, contact, deposit, window_cells
 from sims.painting.drive import Driven
+from sims.painting.films import Films, Group, split
 from sims.painting.job import Job
 from sims.rollout import RECORD_EVERY
 from sims.scenes.charts import AbstractChart
-from sims.scoring import Log, Tally, TrackingScore, accumulate, tracking_score
+from sims.scoring import (
+    Log,
+    PaintScore,
+    Tally,
+    TrackingScore,
+    Wanted,
+    accumulate,
+    score_paint_worlds,
+    tracking_score,
+)
 
 # Records are padded to a multiple of this, so that few lengths are ever compiled.
 _ROWS = 512
@@ -29,27 +40,29 @@ class Truth(NamedTuple):
 
 
 class Laid(NamedTuple):
-    """Film thickness on the grid [m], volume past it [m^3], brush centre on the wall (u, v) [m], and
-    tracking.
+    """Film thickness on the grid [m], volume past it [m^3], brush centre on the wall (u, v) [m], tracking,
+    and the colour in hand (None where there is only one). Films that nobody asks for again may be dropped.
     """
 
-    thickness: Float[Array, "worlds rows columns"]
+    thickness: Films | None
     stray: Float[Array, " worlds"]
     uv: Float[Array, "worlds time 2"]
     tracking: TrackingScore
+    colour: Int[np.ndarray, "worlds time"] | None = None
 
 
 class _Layer(eqx.Module):
-    """What laying needs of a job; the window's size is fixed on the host."""
+    """What laying needs of a job; the window's size and the number of colours are fixed on the host."""
 
     chart: AbstractChart
     brush: Brush
     grid: PaintGrid
     period: Float[Array, ""]
     window: int = eqx.field(static=True)
+    colours: int = eqx.field(static=True)
 
 
-def _brush(chain: KinematicChain, q: Float[Array, "9"]):
+def _brush(chain: KinematicChain, q: Float[Array, "joints"]):
     pose = forward(chain, q)
     return pose.p, pose.R[:, 2]
 
@@ -65,38 +78,95 @@ def true_brush(job: Job, driven: Driven) -> Truth:
     return Truth(np.asarray(position).reshape(shape), np.asarray(axis).reshape(shape))
 
 
-def _lay(layer: _Layer, log: Log):
+def _lay(layer: _Layer, log: Log, colour: Int[Array, " time"] | None):
     """One world: paint on the wall, and the tally of its tracking."""
     velocity = jnp.asarray(jnp.gradient(log.brush, axis=0)) / layer.period
     time = jnp.where(log.live, layer.period, 0.0)
     contacts = jax.vmap(lambda *row: contact(layer.chart, *row))(log.brush, log.axis, velocity, time, log.pen)
-    paint = deposit(Paint.bare(layer.grid), layer.brush, layer.grid, contacts, window=layer.window)
+    bare = Paint.bare(layer.grid, layer.colours)
+    paint = deposit(bare, layer.brush, layer.grid, contacts, window=layer.window, colour=colour)
     tally = accumulate(Tally.zero(log.brush.dtype), log, layer.chart)
     return paint.thickness, paint.stray, contacts.uv, tracking_score(tally)
 
 
-_LAY = one_by_one(_lay, in_axes=(None, 0))
+_LAY = one_by_one(_lay, in_axes=(None, 0, 0))
 
 
-def lay(job: Job, grid: PaintGrid, driven: Driven, truth: Truth) -> Laid:
-    """Lays the paint of all worlds and scores how they tracked."""
+def lay(
+    job: Job,
+    grid: PaintGrid,
+    driven: Driven,
+    truth: Truth,
+    *,
+    colour: Int[np.ndarray, "worlds time"] | None = None,
+    colours: int = 1,
+) -> Laid:
+    """Lays the paint of all worlds and scores how they tracked, in groups of worlds that fit into memory.
+
+    colour: in hand at each record, from 0; None for one colour throughout. colours: how many there are.
+    """
+    hand = None if colours == 1 or colour is None else np.asarray(colour, np.int32)
+    length = driven.record.pen.shape[1]
+    log, padded_hand = jax.tree.map(
+        lambda x: _padded(x, -(-length // _ROWS) * _ROWS), (_log(driven, truth), hand)
+    )
+    window = window_cells(job.brush, float(grid.cell))
+    layer = _Layer(job.scene.chart, job.brush, grid, job.dt * RECORD_EVERY, window, colours)
+
+    def laid(worlds: Group):
+        if len(worlds) == len(log.pen):
+            return _LAY(layer, log, padded_hand)
+        return _LAY(layer, *jax.tree.map(lambda x: x[worlds], (log, padded_hand)))
+
+    worlds, shape = len(log.pen), (colours, *grid.shape)
+    groups = split(worlds, int(np.prod(shape)) * grid.cell.dtype.itemsize)
+    if len(groups) == 1:
+        thickness, stray, uv, tracking = laid(groups[0])
+        films = Films((worlds, *shape), groups, lambda part: laid(part)[0], thickness)
+        return Laid(films, stray, uv[:, :length], tracking, hand)
+    stray, uv, tracking = _without_films(laid, groups)
+    films = Films((worlds, *shape), groups, lambda part: laid(part)[0])
+    return Laid(films, stray, uv[:, :length], tracking, hand)
+
+
+def paint_scores(
+    wanted: Wanted, grid: PaintGrid, laid: Laid, down: Bool[np.ndarray, "worlds time"], *, film: float
+) -> list[PaintScore]:
+    """Scores the paint of all worlds, as many at a time as fit into memory.
+
+    down: whether the brush's place counts: live and pen down. film: nominal [m].
+    """
+    uv, stray = np.asarray(laid.uv), np.asarray(laid.stray)
+    scores = []
+    for worlds, films in laid.thickness.groups():
+        hand = None if laid.colour is None else laid.colour[worlds]
+        swept = uv[worlds], down[worlds]
+        scores += score_paint_worlds(wanted, grid, films, *swept, film=film, stray=stray[worlds], colour=hand)
+    return scores
+
+
+def _log(driven: Driven, truth: Truth) -> Log:
     record = driven.record
-    log = Log(
+    return Log(
         planned=record.planned,
-        brush=jnp.asarray(truth.position),
-        axis=jnp.asarray(truth.axis),
+        brush=truth.position,  # pyright: ignore[reportArgumentType]
+        axis=truth.axis,  # pyright: ignore[reportArgumentType]
         pen=record.pen,
         live=record.live,
         odometry=record.odometry,
         base=record.base,
         halted=record.halted > 0.5,
     )
-    length = record.pen.shape[1]
-    log = jax.tree.map(lambda x: _padded(x, -(-length // _ROWS) * _ROWS), log)
-    window = window_cells(job.brush, float(grid.cell))
-    layer = _Layer(job.scene.chart, job.brush, grid, job.dt * RECORD_EVERY, window)
-    thickness, stray, uv, tracking = _LAY(layer, log)
-    return Laid(thickness, stray, uv[:, :length], tracking)
+
+
+def _without_films(laid: Callable, groups: tuple[Group, ...]):
+    """What laying gives besides films, of all groups, every world once."""
+    parts, seen = [], 0
+    for worlds in groups:
+        new = worlds >= seen
+        seen = int(worlds[-1]) + 1
+        parts.append(jax.tree.map(lambda x, new=new: np.asarray(x)[new], laid(worlds)[1:]))
+    return jax.tree.map(lambda *x: np.concatenate(x), *parts)
 
 
 def _padded(rows: np.ndarray, length: int) -> np.ndarray:

@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import jax
 import jax.numpy as jnp
@@ -12,13 +12,15 @@ from jaxtyping import Array, Float, Int
 from jaxpaint.compiling import Batched, batched, one_by_one
 from sims.paint import PaintGrid
 from sims.painting.approach import Approach, approach, body_is_clear
-from sims.painting.convert import brush_for_joints, joints_for_brush
+from sims.painting.convert import brush_for_joints, ideal_run, joints_of
 from sims.painting.decide import Chooser, choose_for_scan, choose_for_strokes
 from sims.painting.drive import BrushPlan, Driven, JointPlan, drive
 from sims.painting.job import APPROACH, PAINT, SCAN, Job
 from sims.painting.lay import Laid, Truth, completed_and_fault, lay, true_brush
 from sims.painting.path import Painting, plan_painting
 from sims.painting.scan import ScanPlan, scan_motion, see, start_worlds
+from sims.painting.tools import colour_count, in_hand
+from sims.rollout import Record
 from sims.scoring import Chamfer, judge
 from sims.scoring.true_surface import chamfer_to_chart
 from sims.worlds import World
@@ -76,9 +78,9 @@ def run_mission(
     advance(STAGES["approach"])
     jax.block_until_ready(painting)
     begin = time.perf_counter() - Batched.spent_s
-    driven = _paint(job, painting, arrived.state.world, index, paint_mode, advance)
+    driven, colour = _paint(job, painting, arrived.state.world, index, paint_mode, advance)
     truth = true_brush(job, driven)
-    laid = jax.block_until_ready(lay(job, grid, driven, truth))
+    laid = jax.block_until_ready(lay(job, grid, driven, truth, colour=colour, colours=colour_count(job)))
     executed = time.perf_counter() - Batched.spent_s - begin
     reachable = (
         np.asarray(scan.reachable & path_there.reachable)
@@ -109,10 +111,13 @@ def _approach(job: Job, worlds: World, painting: Painting, index) -> tuple[Appro
     return plan, drive(job, plan.plan, worlds, jnp.asarray(index, jnp.int32), APPROACH)
 
 
-def _paint(job: Job, painting: Painting, worlds: World, index, mode: np.ndarray, advance) -> Driven:
+def _paint(job: Job, painting: Painting, worlds: World, index, mode: np.ndarray, advance):
+    """The execution, and the colour in hand at each record."""
     numbers = jnp.asarray(index, jnp.int32)
-    plans = (lambda: joints_for_brush(job, painting.plan, worlds, numbers)), (lambda: painting.plan)
-    return _by_mode(job, mode, plans, worlds, index, PAINT, lambda share: advance(share * STAGES["paint"]))
+    ideal = None if mode.all() else ideal_run(job, painting.plan, worlds, numbers)
+    plans = (lambda: joints_of(job, cast(Record, ideal))), (lambda: painting.plan)
+    driven = _by_mode(job, mode, plans, worlds, index, PAINT, lambda share: advance(share * STAGES["paint"]))
+    return driven, in_hand(job, painting, np.asarray(driven.record.clock), mode, ideal)
 
 
 def _by_mode(

@@ -8,19 +8,27 @@ from jaxtyping import Array, Bool, Float, Int
 
 from jaxpaint.compiling import one_by_one
 from jaxpaint.mapping.mapped import count_by_cause
+from jaxpaint.mapping.moves import MoveSettings
 from jaxpaint.mapping.raycast import cast
 from jaxpaint.mapping.timeline import BrushPath, PathSettings, plan_path, sample
-from jaxpaint.planning import StationSettings, plan_stations
+from jaxpaint.planning import ReachWindow, StationSettings, plan_stations
 from sims.painting.drive import BrushPlan
 from sims.painting.job import Job
 from sims.painting.scan import steps_for
 
 # Every so many control steps a base station is planned.
 _STATION_EVERY = 25
-# Seconds of the path that a station serves, and the least distance of the base's middle from the wall [m].
-_HORIZON, _CLEARANCE = 12.0, 0.55
+# A base in the middle of what it serves stays there: its brush is nearer than the release margin, by this
+# share of it.
+_WITHIN = 0.8
+# With a small margin, or none, the base still does not go to and fro for less than this [m].
+_NARROWEST = 0.1
+# Least distance of the base's footprint from anything seen [m].
+_CLEARANCE = 0.12
 # One point in so many of the cloud stands for the surface where distances to it are asked.
 _SPARSE = 80
+# Strokes are cut where the surface has no point: there is room for so many runs of each, and for some more.
+_RUNS_EACH, _MORE_RUNS = 2, 96
 
 
 class Painting(NamedTuple):
@@ -35,13 +43,32 @@ class Painting(NamedTuple):
     obstacles: Float[Array, "m 3"]
     plan: BrushPlan
 
+    def colour(self, clock: Float[np.ndarray, "worlds t"]) -> Int[np.ndarray, "worlds t"]:
+        """The tool in hand at times of the whole-body controller's plan [s], as records have them."""
+        rows = zip(*(np.asarray(x) for x in (self.path.begins, self.path.runs.colour, clock)), strict=True)
+        live = np.asarray(self.path.runs.live).sum(-1)
+        return np.stack(
+            [
+                tool[np.clip(np.searchsorted(begin[:-1], t, "right") - 1, 0, max(n - 1, 0))]
+                for (begin, tool, t), n in zip(rows, live, strict=True)
+            ]
+        )
+
 
 def map_picture(job: Job, cloud: Float[Array, "n 3"], valid: Bool[Array, " n"]):
     """The picture's strokes on one world's cloud, as a timed path."""
     mapped = cast(job.picture, job.canvas, cloud, valid, job.mapping)
     obstacles = jnp.where(valid[::_SPARSE, None], cloud[::_SPARSE], jnp.nan)
-    settings = PathSettings(speed=job.speed)
-    path = plan_path(mapped, job.stroke, job.canvas.u_axis, settings, obstacles=obstacles)
+    settings = PathSettings(speed=job.speed, move=MoveSettings(change_time=job.tool_change))
+    path = plan_path(
+        mapped,
+        job.stroke,
+        job.canvas.u_axis,
+        settings,
+        obstacles=obstacles,
+        colour=job.colour,
+        max_runs=_MORE_RUNS if job.colour is None else _MORE_RUNS + _RUNS_EACH * job.colour.shape[0],
+    )
     return path, count_by_cause(path.status), obstacles
 
 
@@ -59,11 +86,11 @@ def stations(job: Job, rows: Float[Array, "t 19"], obstacles: Float[Array, "m 3"
     echoes = jnp.concatenate([job.echoes, jnp.zeros_like(job.echoes[:, :1])], axis=1)
     obstacles = jnp.concatenate([obstacles, echoes])
     real = jnp.isfinite(obstacles).all(-1)
-    time = jnp.arange(coarse.shape[0]) * job.dt * _STATION_EVERY
-    settings = StationSettings(jnp.asarray(_HORIZON), jnp.asarray(_CLEARANCE))
+    width = 2 * _WITHIN * job.thresholds.release_margin
+    reach = ReachWindow(jnp.maximum(width, _NARROWEST), job.settings.yaw_lever)
+    settings = StationSettings(reach, jnp.asarray(_CLEARANCE), job.robot.footprint)
     surface = jnp.where(real[:, None], obstacles, 0.0)
     return plan_stations(
-        time,
         coarse[:, :3],
         coarse[:, 5:12:3],
         coarse[:, 18],

@@ -11,18 +11,15 @@ from jaxpaint.compiling import batched, one_by_one
 from jaxpaint.kinematics.chain import arm_chain, forward
 from jaxpaint.kinematics.ik import solve, spread_starts
 from jaxpaint.kinematics.pose import Pose
-from jaxpaint.trajectories import clearance
 from sims.odometry import draw_slip
 from sims.painting.drive import Driven, JointPlan
 from sims.painting.job import DEPTH, SLIP, START, Job
-from sims.painting.motion import SETTLE, motion_duration, motion_rows, plan_motion, rest_times
+from sims.painting.motion import SETTLE, clear_motion, motion_duration, motion_rows
 from sims.sensors import crop_to_canvas, merge_views, observe, render, thin
 from sims.worlds import World, standing
 
 # Points of a world's merged cloud: a static budget.
 MAX_POINTS = 40_000
-# What the lidar sees before the wall may be this much higher than its beams [m].
-_CLUTTER = 0.25
 # Starts of the inverse kinematics.
 _STARTS = 6
 
@@ -50,17 +47,10 @@ def starting_world(job: Job, index: Int[Array, ""]) -> World:
     nominal = job.camera_base[0]
     offset = job.noise.start * jax.random.normal(job.key(index, START), (3,), nominal.dtype)
     slip = draw_slip(job.noise.odometry, key=job.key(index, SLIP))
-    return standing(nominal + offset, job.robot.home, slip, job.limits.steering.position.shape[0])
+    return standing(nominal + offset, job.robot.home, slip, job.limits.drive.size)
 
 
-def view_pose(place: Float[Array, "3"], heading: Float[Array, ""]) -> Pose:
-    """T_map_camera of an upright camera that looks along a heading."""
-    c, s, zero = jnp.cos(heading), jnp.sin(heading), jnp.zeros_like(heading)
-    right, down, ahead = jnp.stack([s, -c, zero]), jnp.stack([zero, zero, zero - 1]), jnp.stack([c, s, zero])
-    return Pose(place, jnp.stack([right, down, ahead], axis=1))
-
-
-def plan_scan(job: Job, world: World) -> tuple[Float[Array, "w 9"], Bool[Array, ""]]:
+def plan_scan(job: Job, world: World) -> tuple[Float[Array, "w joints"], Bool[Array, ""]]:
     """Waypoints from the start through all views, and whether every view can be reached.
 
     The first stop is where the robot stands; for the others it drives.
@@ -68,48 +58,24 @@ def plan_scan(job: Job, world: World) -> tuple[Float[Array, "w 9"], Bool[Array, 
     spread = spread_starts(job.robot.home, job.robot.lower, job.robot.upper, count=_STARTS)
 
     def visit(q_before, view):
-        place, heading, stop = view
+        place, rotation, stop = view
         base = jnp.where((stop == job.camera_base[0]).all(), world.odometry, stop)
         chain = arm_chain(job.robot.camera_chain, base)
         starts = jnp.concatenate([q_before[None], spread])
-        found = solve(chain, starts, view_pose(place, heading), job.robot.lower, job.robot.upper)
+        found = solve(chain, starts, Pose(place, rotation), job.robot.lower, job.robot.upper)
         return found.q, (jnp.concatenate([base, found.q]), found.converged)
 
-    views = job.camera_place, job.camera_heading, job.camera_base
+    views = job.camera_place, job.camera_rotation, job.camera_base
     _, (stops, converged) = jax.lax.scan(visit, world.arm, views)
     here = jnp.concatenate([world.odometry, world.arm])
     return jnp.concatenate([here[None], stops]), converged.all()
 
 
-def time_scan(job: Job, waypoints: Float[Array, "w 9"]):
-    """The motion through the waypoints, when the robot looks, how long it takes, and its gap to the wall."""
-    trajectory = plan_motion(job, waypoints, jnp.ones(waypoints.shape[0], bool))
-    looks = rest_times(trajectory)[1:] + SETTLE / 2
-    coarse = motion_rows(trajectory, motion_duration(trajectory) / 24, 25)[:, :9]
-
-    known = jnp.isfinite(job.echoes).all(-1)
-    lidar = job.robot.T_base_lidar.p[2]
-    wall = (
-        job.canvas.to_canvas(jnp.concatenate([job.echoes, jnp.zeros_like(job.echoes[:, :1])], axis=1))[1] > 0
-    )
-
-    def from_echoes(p):
-        """Walls are upright, so an echo behind the canvas stands for all heights; clutter for its own and
-        below.
-        """
-        there = known & (wall | (p[2] < lidar + _CLUTTER))
-        return jnp.sqrt(jnp.where(there, ((job.echoes - p[:2]) ** 2).sum(-1), 1e6).min())
-
-    gap = clearance(job.robot.chain, job.robot.spheres, coarse, from_echoes).min()
-    return trajectory, looks, motion_duration(trajectory), gap
-
-
 _WORLDS = batched(starting_world, in_axes=(None, 0))
 _PLAN = batched(plan_scan, in_axes=(None, 0))
-_TIME = one_by_one(time_scan, in_axes=(None, 0))
 
 
-def _rows(job: Job, trajectory, count: Int[Array, " t"]) -> Float[Array, "t 18"]:
+def _rows(job: Job, trajectory, count: Int[Array, " t"]) -> Float[Array, "t k"]:
     return motion_rows(trajectory, job.dt, count.shape[0])
 
 
@@ -124,8 +90,11 @@ def start_worlds(job: Job, index: np.ndarray) -> World:
 def scan_motion(job: Job, worlds: World) -> ScanPlan:
     """Plans the scan in all worlds."""
     waypoints, reachable = _PLAN(job, worlds)
-    trajectory, looks, duration, gap = _TIME(job, waypoints)
-    return ScanPlan(joint_plan(job, trajectory, duration), looks, reachable, gap)
+    unknown = np.full((len(waypoints), 1, 3), np.nan, waypoints.dtype)  # nothing is scanned yet
+    motion = clear_motion(job, waypoints, unknown)
+    duration = jax.vmap(motion_duration)(motion.trajectory)
+    looks = motion.arrival[:, 1:] + SETTLE / 2
+    return ScanPlan(joint_plan(job, motion.trajectory, duration), looks, reachable, motion.gap)
 
 
 def joint_plan(job: Job, trajectory, duration) -> JointPlan:
@@ -143,7 +112,7 @@ def steps_for(job: Job, duration, *, multiple: int = 500) -> int:
     return multiple * max(1, int(np.ceil((longest / float(job.dt) + 2) / multiple)))
 
 
-def _views(job: Job, q_true: Float[Array, "views 9"], q_believed: Float[Array, "views 9"]) -> View:
+def _views(job: Job, q_true: Float[Array, "views joints"], q_believed: Float[Array, "views joints"]) -> View:
     camera = job.robot.camera_chain
 
     def poses(rows):
@@ -164,7 +133,7 @@ def _see(job: Job, view: View, index: Int[Array, ""]):
         key = jax.random.fold_in(job.key(index, DEPTH), number)
         return observe(picture, job.camera, job.noise.depth, key=key)
 
-    pictures = jax.lax.map(lambda x: look(*x), (view.true, jnp.arange(job.camera_heading.shape[0])))
+    pictures = jax.lax.map(lambda x: look(*x), (view.true, jnp.arange(job.camera_place.shape[0])))
     cloud, valid = merge_views(job.camera, pictures.depth, pictures.valid, view.believed.p, view.believed.R)
     valid = crop_to_canvas(cloud, valid, job.canvas)
     return thin(cloud, valid, MAX_POINTS)

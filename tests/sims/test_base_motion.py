@@ -17,7 +17,7 @@ DT = jnp.float32(0.02)
 
 @pytest.fixture(scope="module")
 def steering():
-    return robot_limits(load_robot()).steering
+    return robot_limits(load_robot()).drive
 
 
 @pytest.fixture(scope="module")

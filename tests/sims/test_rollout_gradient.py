@@ -15,7 +15,7 @@ from sims.noise import noise_preset
 from sims.odometry import Slip
 from sims.robots import load_robot
 from sims.rollout import run_block, start
-from sims.worlds import standing
+from sims.worlds import Kinematic, standing
 
 POINTS = 20
 RECORDS = 13  # 52 control steps
@@ -83,7 +83,14 @@ def loss(limits, noise, rows, arm, parameters):
     follow = controller(limits, rows, base, parameters)
     world = standing(base, arm, Slip(1.01 * one, one, 0.01 * one), 4)
     _, record = run_block(
-        follow, limits, noise, jnp.asarray(DT), start(follow, world), jax.random.key(0), records=RECORDS
+        follow,
+        Kinematic(),
+        limits,
+        noise,
+        jnp.asarray(DT),
+        start(follow, Kinematic(), world),
+        jax.random.key(0),
+        records=RECORDS,
     )
     q = jnp.concatenate([record.base, record.arm], axis=-1)
     brush = jax.lax.map(lambda row: forward(limits.chain, row).p, q)

@@ -30,17 +30,15 @@ def test_limits_are_kept_and_the_way_is_done(length, speed, acceleration):
     assert float(way[0]) == 0 and float(way[-1]) == pytest.approx(length, rel=1e-9)
     assert float(rate.min()) >= -1e-9 and float(rate.max()) <= speed * (1 + 1e-6)
     assert float(jnp.abs(gain).max()) <= acceleration * (1 + 1e-3)
-    # the acceleration has no jump: it changes as fast as the smooth step's, and no faster
-    peak = min(speed, (length * acceleration / 1.875) ** 0.5)
-    fastest = 5.774 * acceleration**2 / (1.875**2 * peak)
-    assert float(jnp.abs(jnp.diff(gain)).max()) < 1.05 * fastest * float(step)
+    # the acceleration has no jump: it builds up in a tenth of a second at least
+    assert float(jnp.abs(jnp.diff(gain)).max()) < 1.01 * acceleration / 0.1 * float(step)
     assert float(whole) >= length / speed
 
 
 def test_a_long_way_is_done_at_full_speed():
     rate = jax.grad(travelled)(5.0, 1.0, 0.1, 0.5)
     assert float(rate) == pytest.approx(0.1, rel=1e-5)
-    assert float(time_for(jnp.asarray(1.0), 0.1, 0.5)) == pytest.approx(1.0 / 0.1 + 1.875 * 0.1 / 0.5)
+    assert float(time_for(jnp.asarray(1.0), 0.1, 0.5)) == pytest.approx(1.0 / 0.1 + 0.1 / 0.5 + 0.1)
 
 
 def test_no_way_takes_no_time():

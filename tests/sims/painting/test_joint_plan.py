@@ -1,0 +1,116 @@
+"""A run as one joint trajectory: consistent, within what the robot can do, and painting what was planned."""
+
+import jax
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+from experiments.commands.paint_options import PaintOptions
+from experiments.exports import read_table, write_table
+from experiments.exports.planned import planned
+from experiments.exports.replay import replay
+from experiments.paint_job import paint_task
+from sims.painting import run_mission
+from sims.painting.joint_plan import planned_joint_trajectory, smooth_trajectory
+from sims.status import Status
+
+PICTURE = """<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 60 60" fill="none" stroke="black">
+<path d="M5 10 H40"/><path d="M5 30 Q25 50 50 30"/></svg>"""
+WORLDS = 4  # as many as tests/sims/painting/test_mission.py has: compiled once for both
+
+
+def test_velocity_and_acceleration_are_those_of_the_positions():
+    time = np.cumsum([0.0, 0.02, 0.02, 0.02, 0.03, 0.04, 0.04, 0.03, 0.02, 0.02])
+    shape = np.sin(np.pi * time / time[-1]) ** 2
+    found = smooth_trajectory(("a", "b"), ("m", "rad"), time, np.stack([shape, -shape], 1), time > 0.1)
+    p, v, a, h = found.position, found.velocity, found.acceleration, np.diff(time)[:, None]
+    # A jerk that is constant between samples takes each into the next.
+    np.testing.assert_allclose(p[1:], p[:-1] + v[:-1] * h + (2 * a[:-1] + a[1:]) * h**2 / 6, atol=1e-12)
+    np.testing.assert_allclose(v[1:], v[:-1] + (a[:-1] + a[1:]) * h / 2, atol=1e-12)
+    np.testing.assert_array_equal(p[:, 0], shape)
+    np.testing.assert_allclose(v[[0, -1]], 0, atol=1e-12)
+    slope = np.pi / time[-1] * np.sin(2 * np.pi * time / time[-1])
+    np.testing.assert_allclose(v[:, 0], slope, atol=0.02 * slope.max())
+
+
+def test_an_angle_does_not_jump_by_a_turn():
+    time = np.linspace(0, 2, 101)
+    turning = 3 + time
+    wrapped = (turning + np.pi) % (2 * np.pi) - np.pi
+    found = smooth_trajectory(("yaw", "x"), ("rad", "m"), time, np.stack([wrapped, wrapped], 1), time > 1)
+    np.testing.assert_allclose(found.position[:, 0], turning)
+    assert np.abs(found.velocity[:, 0]).max() < 2
+    assert np.abs(found.velocity[:, 1]).max() > 50, "a slide is taken at its word"
+
+
+@pytest.fixture(scope="module")
+def task(tmp_path_factory):
+    picture = tmp_path_factory.mktemp("picture") / "two.svg"
+    picture.write_text(PICTURE)
+    return paint_task(PaintOptions(image=picture, canvas_size=(0.5, 0.5), worlds=WORLDS))
+
+
+@pytest.fixture(scope="module")
+def mission(task):
+    return run_mission(task.job, task.grid, np.arange(WORLDS))
+
+
+@pytest.fixture(scope="module")
+def plan(task, mission):
+    return planned_joint_trajectory(task.job, mission, 1)
+
+
+def test_the_trajectory_is_whole_and_smooth(task, plan):
+    assert plan.names == task.job.robot.chain.names
+    assert plan.units[:4] == ("m", "m", "rad", "rad")
+    assert plan.time[0] == 0
+    assert (np.diff(plan.time) > 0).all()
+    assert np.diff(plan.time).max() < 0.1
+    assert not plan.pen[[0, -1]].any()
+    np.testing.assert_allclose(plan.velocity[[0, -1]], 0, atol=1e-9)
+    limit = np.asarray(task.job.robot.speed_limit)
+    assert (np.abs(plan.velocity).max(axis=0) <= 1.001 * limit).all()
+    # No step between the parts: what changes between samples is what the velocities say.
+    change = np.diff(plan.position, axis=0)
+    mean = (plan.velocity[1:] + plan.velocity[:-1]) / 2 * np.diff(plan.time)[:, None]
+    assert np.abs(change - mean).max() < 5e-3
+
+
+def test_replayed_by_servos_from_the_table_the_brush_stays_on_the_plan(mission, plan, tmp_path):
+    write_table(plan, tmp_path / "trajectory.csv")
+    found = replay(read_table(tmp_path / "trajectory.csv"))
+    assert found.error.max() < 1e-3
+    rows = mission.painting.plan.rows[1]
+    path = rows[rows[:, 18] > 0.5][:, :3]
+    off, _ = cKDTree(path).query(found.reached[found.pen])
+    assert off.max() < 3e-3, "the brush against the path that the controller was given"
+    missed, _ = cKDTree(found.reached[found.pen]).query(path)
+    assert missed.max() < 5e-3, "all of the path is painted"
+
+
+def test_a_world_that_broke_has_no_trajectory(task, mission):
+    rows = mission.painting.plan.rows.copy()
+    rows[2] = np.nan
+    broken = mission._replace(
+        painting=mission.painting._replace(plan=mission.painting.plan._replace(rows=rows))
+    )
+    with pytest.raises(ValueError, match="world 2"):
+        planned_joint_trajectory(task.job, broken, 2)
+
+
+def test_a_world_of_a_later_group_is_found_and_a_lost_one_is_not_exported(task, mission, plan):
+    groups = [_part(mission, slice(0, 1)), _part(mission, slice(1, 4))]
+    found, why = planned(task.job, groups, 1)
+    assert why == ""
+    assert found is not None
+    np.testing.assert_array_equal(found.position, plan.position)
+    assert planned(task.job, groups, 4) == (None, "no trajectory exported: world 4 was not finished")
+    lost = groups[1]._replace(status=np.array([Status.OK, Status.UNREACHABLE, Status.OK]))
+    none, why = planned(task.job, [groups[0], lost], 2)
+    assert none is None
+    assert "world 2 is unreachable" in why
+
+
+def _part(mission, rows):
+    painting = jax.tree.map(lambda x: np.asarray(x)[rows], mission.painting)
+    return mission._replace(status=mission.status[rows], painting=painting)
