@@ -59,13 +59,14 @@ def plan_strokes(
 ) -> Strokes:
     """The strokes of a drawing in canvas metres (S1 section III-B), in points at most `spacing` [m] apart.
 
-    radius: of the brush [m]. fill: how areas are painted. order "writing": column by column of about `column`
-    [m] from the left, in each from the top left on to the nearest end, improved by 2-opt; lines are painted
-    whole, in the column where they begin, what fills areas is cut where columns meet; but as "shortest" where
-    the base has to drive less for that. "shortest": the whole drawing as one column, from the line nearest to
-    `start` (default: the top left corner); for a drawing of lines, travel is never longer than in the file's
-    order. "file": lines as they were drawn, which is how handwriting is kept, then areas. But for "file",
-    lines whose ends meet are joined. A drawing without a line of 1 mm is an InputError.
+    radius: of the brush [m]. fill: how areas are painted. order "writing": column by column, at most `column`
+    [m] wide, from the left, further colours from the side where the last one ended; in each column from the
+    top on to the nearest end, improved by 2-opt. Lines are painted whole, in the column where they begin;
+    what fills areas is cut where columns meet. But as "shortest" where the base has to drive less for that.
+    "shortest": the whole drawing as one column, from the line nearest to `start` (default: the top left
+    corner); for a drawing of lines, travel is never longer than in the file's order. "file": lines as they
+    were drawn, which is how handwriting is kept, then areas. But for "file", lines whose ends meet are
+    joined. A drawing without a line of 1 mm is an InputError.
     """
     fill = fill or FillSettings()
     _check(spacing, radius, order, column)
@@ -81,7 +82,7 @@ def plan_strokes(
         kept = [line for line in lines if polyline_length(line) >= _DOT]
         dropped += len(lines) - len(kept)
         filling = [line for line in filling if polyline_length(line) >= _DOT]
-        passes.append(_ordered(kept, filling, drawing, order, start, column))
+        passes.append(_ordered(kept, filling, order, _begin(passes, drawing, start), column))
     if not any(passes):
         raise InputError(
             f"{drawing.name}: found no line longer than 1 mm; allowed is a larger canvas or drawing"
@@ -98,23 +99,44 @@ def _check(spacing: float, radius: float, order: str, column: float):
         raise InputError(f"order: found '{order}'; allowed are {', '.join(get_args(Order))}")
 
 
+def _begin(passes: list[list[Polyline]], drawing: Drawing, start) -> np.ndarray:
+    """Where the next pass may best begin: where the last one ended, the first at the top left."""
+    painted_before = [lines for lines in passes if lines]
+    if painted_before:
+        return painted_before[-1][-1][-1]
+    lower, upper = drawing.bounds
+    return np.array([lower[0], upper[1]] if start is None else start)
+
+
 def _ordered(
-    lines: list[Polyline], filling: list[Polyline], drawing: Drawing, order: Order, start, column: float
+    lines: list[Polyline],
+    filling: list[Polyline],
+    order: Order,
+    start: np.ndarray,
+    column: float,
 ) -> list[Polyline]:
     """The lines of one colour as they are painted."""
     if not (lines or filling):
         return []
     if order == "file":
         return lines + filling
-    lower, upper = drawing.bounds
-    corner = np.array([lower[0], upper[1]] if start is None else start)
+    shortest = _shortest(lines + filling, start)
     if order == "shortest":
-        return _shortest(lines + filling, corner)
-    among = columns(lines + filling, column)
-    written = in_columns(lines, [part for line in filling for part in cut(line, among)], among)
+        return shortest
+    # A pass that finds the robot on the right goes to the left: a base that drives back loses its place.
+    u = np.concatenate(lines + filling)[:, 0]
+    flip = np.array([-1.0, 1.0]) if start[0] > (u.min() + u.max()) / 2 else np.ones(2)
+    written = [
+        line * flip for line in _written([x * flip for x in lines], [x * flip for x in filling], column)
+    ]
     # Long lines, which are painted whole, make a base go back for each column.
-    shortest = _shortest(lines + filling, corner)
     return written if base_travel(written) < base_travel(shortest) else shortest
+
+
+def _written(lines: list[Polyline], filling: list[Polyline], column: float) -> list[Polyline]:
+    """Column by column from the left."""
+    among = columns(lines + filling, column)
+    return in_columns(lines, [part for line in filling for part in cut(line, among)], among)
 
 
 def _shortest(lines: list[Polyline], start: np.ndarray) -> list[Polyline]:

@@ -1,5 +1,6 @@
 """The order of writing, for a robot that reaches only part of the wall at once: column by column."""
 
+import math
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -8,10 +9,10 @@ import numpy as np
 from jaxpaint.pictures.drawing import Polyline, is_closed, polyline_length
 from jaxpaint.pictures.routes import greedy_route, painted, shortened
 
-WIDTH = 0.4
-"""Of a column [m]: what an arm on a parked base reaches in comfort."""
+WIDTH = 0.36
+"""Of a column at most [m]: what an arm on a parked base reaches in comfort."""
 
-REACH = 0.25
+REACH = 0.19
 """How far to either side of a parked base its arm paints [m]."""
 
 _SHORTEST = 0.1  # [m]: a shorter part of a line stays with the column that it comes from
@@ -31,10 +32,10 @@ class Columns:
 
 
 def columns(lines: list[Polyline], width: float) -> Columns:
-    """Columns about as wide as asked for that share the width of all lines evenly."""
+    """The fewest columns no wider than asked for that share the width of all lines evenly."""
     u = np.concatenate(lines)[:, 0]
     left, extent = float(u.min()), float(np.ptp(u))
-    count = max(1, round(extent / width))
+    count = max(1, math.ceil(extent / width - 1e-9))
     return Columns(left, max(extent, 1e-9) / count, count)
 
 

@@ -9,9 +9,9 @@ from jaxtyping import Array, Float
 
 
 class ReachWindow(eqx.Module):
-    """width: what one place serves lies in a box this wide, in x, in y, and in yaw times `yaw_lever` [m]; it
-    has to stay below twice the release margin, or a base in the middle is let go within its own stretch.
-    yaw_lever: metres that count like one radian [m/rad].
+    """width: what one place serves lies in a box this wide, in the brush's x and y, and in its heading times
+    `yaw_lever` [m]; it has to stay below twice the release margin, or a base in the middle is let go within
+    its own stretch. yaw_lever: metres that count like one radian [m/rad].
     """
 
     width: Float[Array, ""]
@@ -19,7 +19,7 @@ class ReachWindow(eqx.Module):
 
 
 class _Box(NamedTuple):
-    """Lowest and highest of the wanted base places of a stretch (x, y, yaw times lever) [m]."""
+    """Lowest and highest of what a stretch asks for: brush (x, y), and heading times lever [m]."""
 
     lower: Float[Array, "3"]
     upper: Float[Array, "3"]
@@ -37,11 +37,12 @@ def serving_places(
     position [m], axis (unit, into the wall): of the brush in the map frame. weight: 1 where the pen is down.
     home: brush in the base frame where the arm works best [m].
 
-    Each moment wants the base where the brush is at `home`. A stretch goes on while these places fit the
-    window, which for a given order of the strokes takes the fewest stretches there can be; its place is the
-    middle of their box. A moment with the pen up belongs to the stretch that comes next.
+    A stretch goes on while brush and heading fit the window, which for a given order of the strokes takes the
+    fewest stretches there can be; its place has the middle of their box at `home`. A moment with the pen up
+    belongs to the stretch that comes next.
     """
-    wanted = _wanted(position, axis, home, window.yaw_lever)
+    heading = jnp.unwrap(jnp.arctan2(axis[:, 1], axis[:, 0]))
+    wanted = jnp.concatenate([position[:, :2], window.yaw_lever * heading[:, None]], axis=1)
     down = weight > 0.5
     nothing = _Box(jnp.full_like(wanted[0], jnp.inf), jnp.full_like(wanted[0], -jnp.inf))
 
@@ -63,15 +64,14 @@ def serving_places(
         return (whole, jnp.where(counts, begins, ended)), (whole.lower + whole.upper) / 2
 
     last = jax.tree.map(lambda x: x[-1], boxes)
-    _, places = jax.lax.scan(spread, (last, jnp.asarray(True)), (boxes, first, down), reverse=True)
-    places = jnp.where(jnp.isfinite(places), places, wanted)
-    return places / jnp.stack([jnp.ones_like(window.width), jnp.ones_like(window.width), window.yaw_lever])
+    _, middle = jax.lax.scan(spread, (last, jnp.asarray(True)), (boxes, first, down), reverse=True)
+    return _base_before(jnp.where(jnp.isfinite(middle), middle, wanted), home, window.yaw_lever)
 
 
-def _wanted(position, axis, home, lever) -> Float[Array, "t 3"]:
-    """Where the base has the brush at `home`, at each moment; its yaw as a length."""
-    yaw = jnp.unwrap(jnp.arctan2(axis[:, 1], axis[:, 0]))
+def _base_before(middle: Float[Array, "t 3"], home, lever) -> Float[Array, "t 3"]:
+    """The base pose (x, y, yaw) that has a brush (x, y, heading times lever) at `home`."""
+    yaw = middle[:, 2] / lever
     c, s = jnp.cos(yaw), jnp.sin(yaw)
-    x = position[:, 0] - c * home[0] + s * home[1]
-    y = position[:, 1] - s * home[0] - c * home[1]
-    return jnp.stack([x, y, lever * yaw], axis=1)
+    x = middle[:, 0] - c * home[0] + s * home[1]
+    y = middle[:, 1] - s * home[0] - c * home[1]
+    return jnp.stack([x, y, yaw], axis=1)
