@@ -4,21 +4,18 @@ import dataclasses
 
 import jax
 import jax.numpy as jnp
-import mujoco
 import numpy as np
 from jaxtyping import Float
 
 from experiments.motion.missions import Missions
 from experiments.motion.topp import fastest_time
+from experiments.motion.truth import Truth
 from jaxpaint.trajectories import Trajectory, on_segment, sample
-from sims.robots.load import REFERENCE
-from sims.scenes import scene_mjcf
 
 STEP = 0.001
 # Every so many steps torques and distances are asked for.
 _TORQUE_EVERY, _DISTANCE_EVERY = 4, 20
 _NODES, _MOMENTS = 101, 2001
-_NEAR = 0.1  # distances beyond half of this are not told [m]
 _STILL = 1e-5  # a segment without more way than this has no bound [rad or m]
 
 
@@ -26,7 +23,7 @@ _STILL = 1e-5  # a segment without more way than this has no bound [rad or m]
 class Checked:
     """speed, acceleration, torque: largest share of a limit that was used. jump: largest change of
     acceleration from one sample to the next [m/s^2 or rad/s^2] of base and arm, and over a control period.
-    distance: least of the robot to the wall [m], at most `_NEAR / 2`. moving: time in motion, bound: least
+    distance: least of the robot to the wall [m], at most `NEAR`. moving: time in motion, bound: least
     time for the same ways [s].
     """
 
@@ -42,30 +39,29 @@ class Checked:
 
 def check(missions: Missions) -> list[Checked]:
     """Every mission."""
-    model = _with_scene(missions)
-    dof = [model.joint(name).dofadr[0] for name in missions.job.robot.chain.names]
+    truth = Truth(missions.scene, missions.around.robot)
     return [
-        _check_one(missions, jax.tree.map(lambda x, k=k: np.asarray(x)[k], missions.trajectory), model, dof)
+        _check_one(missions, jax.tree.map(lambda x, k=k: np.asarray(x)[k], missions.trajectory), truth)
         for k in range(len(missions.waypoints))
     ]
 
 
-def _check_one(missions: Missions, trajectory: Trajectory, model, dof) -> Checked:
-    robot = missions.job.robot
+def _check_one(missions: Missions, trajectory: Trajectory, truth: Truth) -> Checked:
+    robot = missions.around.robot
     p = positions(trajectory)
     v, a = (p[2:] - p[:-2]) / (2 * STEP), (p[2:] - 2 * p[1:-1] + p[:-2]) / STEP**2
     limit_v, limit_a = np.asarray(robot.speed_limit, float), np.asarray(robot.acceleration_limit, float)
     size = robot.base_size
-    torque = _torques(model, dof, p[1:-1:_TORQUE_EVERY], v[::_TORQUE_EVERY], a[::_TORQUE_EVERY])
+    torque = truth.torques(p[1:-1:_TORQUE_EVERY], v[::_TORQUE_EVERY], a[::_TORQUE_EVERY])
     return Checked(
         speed=_share(v, limit_v),
         acceleration=_share(a, limit_a),
         torque=float((np.abs(torque) / np.asarray(robot.torque_limit, float)).max()),
         jump=_jump(a, size),
         jump_20ms=_jump(a[::20], size),
-        distance=_distance(model, dof, p[::_DISTANCE_EVERY]),
+        distance=float(truth.distances(p[::_DISTANCE_EVERY]).min()),
         moving=float(np.asarray(trajectory.segments, float).sum()),
-        bound=float(_bounds(robot, trajectory, model, dof).sum()),
+        bound=float(_bounds(robot, trajectory, truth).sum()),
     )
 
 
@@ -92,52 +88,13 @@ def _jump(a, size: int) -> tuple[float, float]:
     return float(change[:, :size].max()), float(change[:, size:].max())
 
 
-def _with_scene(missions: Missions) -> mujoco.MjModel:
-    """The robot before its wall, whose geoms see each other and nothing else; the brush may touch."""
-    spec = mujoco.MjSpec.from_file(str(REFERENCE))
-    wall = mujoco.MjSpec.from_string(scene_mjcf(missions.job.scene))
-    spec.attach(wall, prefix="wall/", frame=spec.worldbody.add_frame())
-    for geom in spec.geoms:  # before it is compiled: bodies have masks of their geoms'
-        is_wall, is_floor = geom.name.startswith("wall/"), geom.type == mujoco.mjtGeom.mjGEOM_PLANE
-        geom.contype = 0 if is_wall else int(not geom.name.startswith("brush"))
-        geom.conaffinity = int(is_wall and not is_floor)
-        geom.margin = _NEAR / 2
-    model = spec.compile()
-    model.body_gravcomp[:] = 0
-    return model
-
-
-def _torques(model, dof, p, v, a) -> np.ndarray:
-    data, out = mujoco.MjData(model), np.zeros_like(p)
-    flags = model.opt.disableflags
-    model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
-    for k in range(len(p)):
-        data.qpos[dof], data.qvel[dof], data.qacc[dof] = p[k], v[k], a[k]
-        mujoco.mj_inverse(model, data)
-        out[k] = data.qfrc_inverse[dof]
-    model.opt.disableflags = flags
-    return out
-
-
-def _distance(model, dof, p) -> float:
-    data, least = mujoco.MjData(model), _NEAR / 2
-    for row in p:
-        data.qpos[dof] = row
-        mujoco.mj_kinematics(model, data)
-        mujoco.mj_comPos(model, data)
-        mujoco.mj_collision(model, data)
-        if data.ncon:
-            least = min(least, float(data.contact.dist.min()))
-    return least
-
-
-def _bounds(robot, trajectory: Trajectory, model, dof) -> np.ndarray:
+def _bounds(robot, trajectory: Trajectory, truth: Truth) -> np.ndarray:
     """Least time of each segment's way under the robot's full limits, acceleration free to jump."""
     rows = _along(trajectory)
     ways = [_way(q) for q in rows if np.abs(q[-1] - q[0]).max() > _STILL]
     limit_v, limit_a = np.asarray(robot.speed_limit, float), np.asarray(robot.acceleration_limit, float)
     limit_t = np.asarray(robot.torque_limit, float)
-    rows = [_rows(model, dof, *way, limit_v, limit_a, limit_t) for way in ways]
+    rows = [_rows(truth, *way, limit_v, limit_a, limit_t) for way in ways]
     return fastest_time(*(np.stack(x) for x in zip(*rows, strict=True)))
 
 
@@ -171,7 +128,7 @@ def _way(q: Float[np.ndarray, "times joints"]):
     return at, first, np.gradient(first, s, axis=0)
 
 
-def _rows(model, dof, q, first, second, limit_v, limit_a, limit_t):
+def _rows(truth: Truth, q, first, second, limit_v, limit_a, limit_t):
     """Rows of `fastest_time`: the base's line, the other joints, the torques."""
 
     def lined(x):
@@ -182,10 +139,10 @@ def _rows(model, dof, q, first, second, limit_v, limit_a, limit_t):
         return np.concatenate([limit[:2].min(keepdims=True), limit[2:]])
 
     zero = np.zeros_like(q)
-    weight = _torques(model, dof, q, zero, zero)
-    inertia = _torques(model, dof, q, zero, first) - weight
-    damping = model.dof_damping.reshape(model.nv, -1)[dof, 0] * first
-    coriolis = _torques(model, dof, q, first, second) - weight - damping
+    weight = truth.torques(q, zero, zero)
+    inertia = truth.torques(q, zero, first) - weight
+    damping = truth.damping * first
+    coriolis = truth.torques(q, first, second) - weight - damping
     A, B = np.concatenate([lined(first), inertia], 1), np.concatenate([lined(second), coriolis], 1)
     offset = np.concatenate([0 * lined(zero), weight], 1)
     limit = np.broadcast_to(np.concatenate([least(limit_a), limit_t]), A.shape)

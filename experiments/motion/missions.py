@@ -7,18 +7,21 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool, Float
 
-from experiments.commands.paint_options import PaintOptions
-from experiments.paint_job import paint_task
+from experiments.motion.truth import Truth
 from jaxpaint.compiling import batched, one_by_one
 from jaxpaint.kinematics import Pose, compose, exponential, frame_from_axis, solve, spread_starts
-from jaxpaint.trajectories import Trajectory, gap_on_the_way
-from sims.painting.job import Job
-from sims.painting.motion import Around, clear_motion, surroundings
+from jaxpaint.trajectories import Trajectory
+from sims.limits import robot_limits
+from sims.painting.motion import motion_among
+from sims.painting.segments import Around, body_gap, surroundings
+from sims.painting.survey import camera_arm, echoes_before
+from sims.robots import load_robot
+from sims.scenes import Scene, default_canvas, make_wall
 
-TARGETS, _TRIES = 4, 6
+TARGETS, _TRIES = 4, 10
 # Brush above the wall before and after a touch [m]; the camera's distance [m].
 _LIFT, _VIEW = 0.05, (0.5, 0.75)
-# The body of a posture is at least so far from everything [m].
+# The body of a posture is at least so far from everything, by truth and by what the robot knows [m].
 _ROOM = 0.02
 # How much further from the canvas than the arm at home reaches a mission starts and ends [m].
 _BACK = 0.3
@@ -27,9 +30,12 @@ _GRID = 0.07  # of the scanned points [m]
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Missions:
-    """job: of the wall. waypoints: in the map frame. points: scanned [m]. trajectory, gap: as planned."""
+    """scene, around: the wall, and what planning is told. waypoints: in the map frame. points: scanned [m].
+    trajectory, gap: as planned.
+    """
 
-    job: Job
+    scene: Scene
+    around: Around
     waypoints: Float[np.ndarray, "missions w joints"]
     points: Float[np.ndarray, "m 3"]
     trajectory: Trajectory
@@ -41,46 +47,48 @@ def random_missions(wall: str, count: int, *, seed: int = 0) -> Missions:
 
     A brush target is three waypoints: before the wall, at it, before it again; a camera target one.
     """
-    job = paint_task(PaintOptions(wall=wall)).job
+    scene, robot = make_wall(wall), load_robot()
+    canvas, key = default_canvas(scene), jax.random.key(seed)
+    echoes = echoes_before(scene, canvas, camera_arm(robot), robot, key=key)
+    around = Around(robot, canvas, jnp.asarray(echoes, jnp.float32))
     rng = np.random.default_rng([seed, *wall.encode()])
-    points = _scanned(job, rng)
-    postures, fine = _postures(job, points, rng, count * TARGETS)
+    points = _scanned(scene, rng)
+    postures, fine = _postures(scene, around, points, rng, count * TARGETS)
     postures = _first_fine(postures, fine).reshape(count, TARGETS * 3, -1)
-    home = np.repeat(np.asarray(job.robot.home)[None], count, 0)
-    start, back = (np.concatenate([_starts(job, rng, count), home], -1)[:, None] for _ in range(2))
+    home = np.repeat(np.asarray(robot.home)[None], count, 0)
+    start, back = (np.concatenate([_starts(around, rng, count), home], -1)[:, None] for _ in range(2))
     rows = np.concatenate([start, postures, back], 1)
     waypoints = jnp.asarray(rows, jnp.float32)
-    motion = clear_motion(
-        job, waypoints, jnp.broadcast_to(jnp.asarray(points, jnp.float32), (count, *points.shape))
-    )
-    return Missions(job, np.asarray(waypoints), points, motion.trajectory, np.asarray(motion.gap))
+    seen = np.broadcast_to(points.astype(np.float32), (count, *points.shape))
+    motion = motion_among(around, waypoints, seen)
+    return Missions(scene, around, np.asarray(waypoints), points, motion.trajectory, np.asarray(motion.gap))
 
 
-def _starts(job: Job, rng, count: int) -> np.ndarray:
+def _starts(around: Around, rng, count: int) -> np.ndarray:
     """Bases (x, y, yaw) before the middle of the canvas, further back than the arm at home reaches."""
-    yaw = float(job.canvas.yaw)
+    yaw = float(around.canvas.yaw)
     ahead, left = np.array([np.cos(yaw), np.sin(yaw)]), np.array([-np.sin(yaw), np.cos(yaw)])
-    away = float(job.limits.home[0]) + _BACK + rng.uniform(0, 0.3, count)
+    away = float(robot_limits(around.robot).home[0]) + _BACK + rng.uniform(0, 0.3, count)
     aside = rng.uniform(-0.3, 0.3, count)
-    place = np.asarray(job.canvas.center)[:2] - away[:, None] * ahead + aside[:, None] * left
+    place = np.asarray(around.canvas.center)[:2] - away[:, None] * ahead + aside[:, None] * left
     return np.concatenate([place, yaw + rng.uniform(-0.3, 0.3, (count, 1))], -1)
 
 
-def _scanned(job: Job, rng) -> np.ndarray:
+def _scanned(scene: Scene, rng) -> np.ndarray:
     """Noisy points of the wall about the canvas, as far apart as those of a cloud that was made sparse."""
-    chart = job.scene.chart
+    chart = scene.chart
     u, v = np.meshgrid(np.arange(-1.4, 1.4, _GRID), np.arange(0.3, 2.2, _GRID))
     uv = jnp.asarray(np.stack([u.ravel(), v.ravel()], -1), jnp.float32)
     return np.asarray(jax.vmap(chart.point)(uv)) + 0.002 * rng.standard_normal((u.size, 3))
 
 
-def _postures(job: Job, points, rng, number: int):
+def _postures(scene: Scene, around: Around, points, rng, number: int):
     """Tries of postures [number, tries, 3, joints] and whether each can be taken."""
     shape = (number * _TRIES,)
     uv = jnp.asarray(
         np.stack([rng.uniform(-0.75, 0.75, shape), rng.uniform(0.85, 1.5, shape)], -1), jnp.float32
     )
-    chart = job.scene.chart
+    chart = scene.chart
     draw = {
         "point": jax.vmap(chart.point)(uv),
         "normal": jax.vmap(chart.normal)(uv),
@@ -89,11 +97,13 @@ def _postures(job: Job, points, rng, number: int):
         "tilt": jnp.asarray(rng.normal(0, 0.08, (*shape, 3)), jnp.float32),
         "base": jnp.asarray(rng.normal(0, [0.08, 0.12, 0.15], (*shape, 3)), jnp.float32),
     }
-    around = Around.of(job)
-    found, converged = _SOLVE(around, job.limits.home, draw)
+    found, converged = _SOLVE(around, robot_limits(around.robot).home, draw)
     gap = _POSTURE_GAP(around, found, jnp.asarray(points, jnp.float32))
-    fine = np.asarray(converged) & (np.asarray(gap) > _ROOM)
-    return np.asarray(found).reshape(number, _TRIES, 3, -1), fine.reshape(number, _TRIES)
+    found, fine = np.asarray(found), np.asarray(converged) & (np.asarray(gap) > _ROOM)
+    # what truly stands in the wall is no fair mission, whatever the planner believes
+    before_and_at = found[fine, :2].reshape(-1, found.shape[2])
+    fine[fine] = Truth(scene, around.robot).distances(before_and_at).reshape(-1, 2).min(1) > _ROOM
+    return found.reshape(number, _TRIES, 3, -1), fine.reshape(number, _TRIES)
 
 
 def _first_fine(postures, fine: Bool[np.ndarray, "n tries"]):
@@ -128,11 +138,7 @@ def _solve_one(around: Around, home, draw):
 
 def _posture_gap(around: Around, rows, points):
     there = surroundings(around, points)
-    robot = around.robot
-    gaps = jax.lax.map(
-        lambda q: gap_on_the_way(robot.chain, robot.spheres, q[None], there.distance), rows[:2]
-    )
-    return gaps.min()
+    return jax.lax.map(lambda q: body_gap(around.robot, there, q[None]), rows[:2]).min()
 
 
 _SOLVE = batched(_solve_one, in_axes=(None, None, 0))

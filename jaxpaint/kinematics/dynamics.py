@@ -5,12 +5,13 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from jaxpaint.kinematics.chain import KinematicChain, frames
+from jaxpaint.kinematics.chain import KinematicChain
+from jaxpaint.kinematics.frame_loop import looped_frames
 from jaxpaint.kinematics.rotations import cross
 
 
 class Inertia(eqx.Module):
-    """What each joint of a chain carries, in the frame behind the joint, and what resists at the joint itself.
+    """What each joint of a chain carries, in the frame behind the joint, and what resists at the joint.
 
     mass [kg]; center of mass [m]; tensor about it [kg m^2]; armature: of rotor and gears seen at the joint
     [kg m^2 or kg]; damping [N m s/rad or N s/m]; gravity in the map frame [m/s^2].
@@ -33,10 +34,10 @@ def inverse_dynamics(
 ) -> Float[Array, " joints"]:
     """Torques and forces of the motors [N m, N] for position, speed and acceleration, by Newton and Euler.
 
-    As mj_inverse, where no motor is helped (`gravcomp` is what a motor supplies). The recursions are sums along
-    the chain, since all vectors are in the map frame.
+    As mj_inverse, where no motor is helped (`gravcomp` is what a motor supplies). The recursions are sums
+    along the chain, since all vectors are in the map frame.
     """
-    links = frames(chain, q)
+    links = looped_frames(chain, q)
     hinge = np.array([[kind == "hinge"] for kind in chain.kinds])
     axis = links.R[..., 2]
     turn, slide = jnp.where(hinge, axis, 0), jnp.where(hinge, 0, axis)

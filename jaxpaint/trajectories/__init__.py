@@ -1,13 +1,15 @@
 """Motion of joints in time, within limits, and whether it stays clear of the wall."""
 
-from jaxpaint.trajectories.clearance import Obstacles, clearance, gap_on_the_way
-from jaxpaint.trajectories.detours import choose, detours
+from jaxpaint.trajectories.clearance import Obstacles, gap_on_the_way
+from jaxpaint.trajectories.detours import WAYS, detours
+from jaxpaint.trajectories.footprint import footprint_gap
 from jaxpaint.trajectories.s_curve import Progress, SCurve, progress, s_curve, stretched
 from jaxpaint.trajectories.torque import plan_within_torque, slow_down
 from jaxpaint.trajectories.waypoints import (
     Limits,
     State,
     Trajectory,
+    on_one_clock,
     on_segment,
     plan_base_and_arm,
     sample,
@@ -15,16 +17,17 @@ from jaxpaint.trajectories.waypoints import (
 )
 
 __all__ = [
+    "WAYS",
     "Limits",
     "Obstacles",
     "Progress",
     "SCurve",
     "State",
     "Trajectory",
-    "choose",
-    "clearance",
     "detours",
+    "footprint_gap",
     "gap_on_the_way",
+    "on_one_clock",
     "on_segment",
     "plan_base_and_arm",
     "plan_within_torque",

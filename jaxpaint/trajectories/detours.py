@@ -1,23 +1,41 @@
 """Ways around: where the straight motion would touch something, retreat first, go, and approach."""
 
-from collections.abc import Callable
-
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float
+from jaxtyping import Array, Float
 
 from jaxpaint.kinematics.chain import KinematicChain, arm_chain, forward
 from jaxpaint.kinematics.ik import IKSettings, solve
 from jaxpaint.kinematics.pose import Pose
 
-RETREATS = np.array(
-    [[0, 0], [0.12, 0], [0.25, 0], [0, 0.25], [0.15, 0.25], [0, 0.5], [0.25, 0.5], [0.25, 0.9], [0.4, 1.4]]
-)
-"""What is tried, in this order: how far the tool is drawn back by the arm, and the robot by its base [m]."""
+_TOOL, _SHARED, _HEADING = range(3)
 
-TOGETHER = np.array([[0, 0.3], [0.15, 0.4], [0, 0.6], [0.2, 0.8], [0.3, 1.2]])
-"""The same, but at both ends the base goes the same way, between the tools' ways back: out of a corner."""
+WAYS = np.array(
+    [
+        # tool, base, where the base goes, arm folded
+        [0.12, 0.0, _TOOL, 0],
+        [0.25, 0.0, _TOOL, 0],
+        [0.0, 0.25, _TOOL, 0],
+        [0.15, 0.25, _TOOL, 0],
+        [0.0, 0.3, _SHARED, 0],
+        [0.15, 0.4, _SHARED, 0],
+        [0.0, 0.5, _TOOL, 0],
+        [0.25, 0.5, _TOOL, 0],
+        [0.0, 0.4, _HEADING, 1],
+        [0.0, 0.6, _SHARED, 0],
+        [0.2, 0.8, _SHARED, 0],
+        [0.0, 0.7, _HEADING, 1],
+        [0.0, 0.7, _SHARED, 1],
+        [0.25, 0.9, _TOOL, 0],
+        [0.0, 1.1, _HEADING, 1],
+        [0.3, 1.2, _SHARED, 0],
+        [0.0, 1.1, _SHARED, 1],
+        [0.4, 1.4, _TOOL, 0],
+    ]
+)
+"""What is tried, in this order: how far the arm draws the tool back [m] and the base the robot [m]; where the
+base goes (along the tool, at both ends along the mean of the tools, straight back); whether the arm folds."""
 
 _ITERATIONS = 12
 
@@ -28,54 +46,22 @@ def detours(
     goal: Float[Array, " joints"],
     lower: Float[Array, " arm"],
     upper: Float[Array, " arm"],
+    home: Float[Array, " arm"],
 ) -> Float[Array, "ways 2 joints"]:
     """Via points of the ways from `start` to `goal` to be tried: after the retreat, before the approach.
 
-    The first way is straight: its via points are the ends themselves. lower, upper: limits of the arm [rad].
+    lower, upper: limits of the arm [rad]. home: the arm folded [rad].
     """
-    base_size = chain.size - lower.shape[0]
-    poses = [forward(chain, q) for q in (start, goal)]
-    back = [_level(-pose.R[:, 2]) for pose in poses]
-    both = _level(-poses[0].R[:, 2] - poses[1].R[:, 2])
+    ends = jnp.stack([start, goal])
+    poses = jax.vmap(lambda q: forward(chain, q))(ends)
+    shared = _level(-poses.R[0, :, 2] - poses.R[1, :, 2])
 
-    def ways(q, pose, back):
-        own = _retreated(chain, q, pose, back, RETREATS, (lower, upper), base_size)
-        shared = _retreated(chain, q, pose, both, TOGETHER, (lower, upper), base_size)
-        return jnp.concatenate([own, shared])
+    def end(q, pose):
+        heading = jnp.stack([-jnp.cos(q[2]), -jnp.sin(q[2])])
+        back = jnp.stack([_level(-pose.R[:, 2]), shared, heading])
+        return _retreated(chain, q, pose, back, (lower, upper, home))
 
-    return jnp.stack([ways(*end) for end in zip((start, goal), poses, back, strict=True)], axis=1)
-
-
-def choose(
-    start: Float[Array, " joints"],
-    goal: Float[Array, " joints"],
-    ways: Float[Array, "ways 2 joints"],
-    gap: Callable[[Float[Array, "4 joints"]], Float[Array, ""]],
-    margin: Float[Array, ""],
-) -> tuple[Float[Array, "2 joints"], Bool[Array, ""], Float[Array, ""]]:
-    """The first way whose gap [m] is at least `margin`, else the one with the largest.
-
-    Returns its via points, whether there are any, its gap.
-
-    Ways are looked at one after the other, and none after one that will do: usually the first is enough.
-    """
-
-    def points(index):
-        return jnp.concatenate([start[None], ways[index], goal[None]])
-
-    def goes_on(state):
-        index, _, best = state
-        return (index < ways.shape[0]) & (best < margin)
-
-    def look(state):
-        index, chosen, best = state
-        found = gap(points(index))
-        better = found > best
-        return index + 1, jnp.where(better, index, chosen), jnp.where(better, found, best)
-
-    zero = jnp.zeros((), jnp.int32)
-    _, chosen, best = jax.lax.while_loop(goes_on, look, (zero, zero, jnp.full((), -jnp.inf, start.dtype)))
-    return ways[chosen], chosen > 0, best
+    return jnp.swapaxes(jax.vmap(end)(ends, poses), 0, 1)
 
 
 def _level(direction: Float[Array, "3"]) -> Float[Array, "2"]:
@@ -87,16 +73,18 @@ def _level(direction: Float[Array, "3"]) -> Float[Array, "2"]:
     return jnp.where(some, 1, 0) * jnp.stack([x / safe, y / safe])
 
 
-def _retreated(chain: KinematicChain, q, pose: Pose, back, retreats, limits: tuple, base_size: int):
-    """`q` after each of the retreats, [ways, joints]; the base goes along `back`."""
-    arm = arm_chain(chain, q[:base_size])
-    settings = IKSettings(iterations=_ITERATIONS)
-    lower, upper = limits
+def _retreated(chain: KinematicChain, q, pose: Pose, back, arm_limits: tuple):
+    """`q` after each of the retreats, [ways, joints]; back: the three directions that the base can go."""
+    lower, upper, home = arm_limits
+    base_size = q.shape[0] - home.shape[0]
+    arm, settings = arm_chain(chain, q[:base_size]), IKSettings(iterations=_ITERATIONS)
+    rows = jnp.asarray(WAYS[:, :2], q.dtype)
+    way, folded = back[WAYS[:, 2].astype(int)], WAYS[:, 3] > 0
 
-    def one(retreat):
+    def one(retreat, way, folded):
         target = Pose(pose.p - retreat[0] * pose.R[:, 2], pose.R)
         found = solve(arm, q[None, base_size:], target, lower, upper, settings).q
-        found = jnp.where(retreat[0] > 0, found, q[base_size:])
-        return jnp.concatenate([q[:2] + retreat[1] * back, q[2:base_size], found])
+        found = jnp.where(folded, home, jnp.where(retreat[0] > 0, found, q[base_size:]))
+        return jnp.concatenate([q[:2] + retreat[1] * way, q[2:base_size], found])
 
-    return jax.vmap(one)(jnp.asarray(retreats, q.dtype))
+    return jax.vmap(one)(rows, way, jnp.asarray(folded))

@@ -62,9 +62,10 @@ def slow_down(
 
     def at(segment, part):
         s = on_segment(trajectory, segment, part * trajectory.segments[segment])
-        weight = inverse_dynamics(chain, inertia, s.p, 0 * s.v, 0 * s.a)
+        # at rest and in motion, as one program of two rows
+        v, a = (jnp.stack([0 * x, x]) for x in (s.v, s.a))
+        weight, whole = jax.vmap(lambda v, a: inverse_dynamics(chain, inertia, s.p, v, a))(v, a)
         damping = inertia.damping * s.v
-        whole = inverse_dynamics(chain, inertia, s.p, s.v, s.a)
         return _largest_share(weight, damping, whole - weight - damping, _SHARE * torque).min()
 
     segments = jnp.arange(trajectory.start.shape[0])

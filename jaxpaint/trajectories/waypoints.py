@@ -72,13 +72,13 @@ def plan_base_and_arm(
     )(ways)
     kept = mask | (jnp.arange(mask.shape[0]) == 0)
     rest = jnp.where(kept, jnp.broadcast_to(jnp.asarray(rest, points.dtype), mask.shape), 0)
-    return _on_one_clock(points, base, arm, rest, base_size)
+    return on_one_clock(points, base, arm, rest, base_size)
 
 
 def slowed(trajectory: Trajectory, factor: Float[Array, " segments"]) -> Trajectory:
     """The same with each segment in `factor` times the time; rests stay as they are."""
     t = trajectory
-    return _on_one_clock(t.points, stretched(t.base, factor), stretched(t.arm, factor), t.rest, t.base_size)
+    return on_one_clock(t.points, stretched(t.base, factor), stretched(t.arm, factor), t.rest, t.base_size)
 
 
 def sample(trajectory: Trajectory, t: Float[Array, ""]) -> State:
@@ -141,7 +141,16 @@ def _fastest(way, speed, acceleration) -> SCurve:
     return s_curve(jnp.where(some, one, 0), jnp.where(some, rate, one), jnp.where(some, gain, one))
 
 
-def _on_one_clock(points, base: SCurve, arm: SCurve, rest, base_size: int) -> Trajectory:
+def on_one_clock(
+    points: Float[Array, "waypoints joints"],
+    base: SCurve,
+    arm: SCurve,
+    rest: Float[Array, " waypoints"],
+    base_size: int,
+) -> Trajectory:
+    """Segments of base and arm (progress as shares of the way), the faster slowed down to the other, in a row
+    with a rest [s] at each waypoint.
+    """
     both = jnp.maximum(base.duration, arm.duration)
 
     def to_both(curve: SCurve) -> SCurve:

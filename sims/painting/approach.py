@@ -38,20 +38,27 @@ def first_posture(job: Job, world: World, row: Float[Array, "19"], station: Floa
     """Waypoints from the world's present (believed) posture to the brush pose of `row`, and whether there is
     one.
 
-    The base stays where it is if the first stroke is within the release margin there, else it drives to
-    `station`.
+    The base stays where it is if the first stroke is within the release margin and in the arm's reach there,
+    else it drives to `station`.
     """
     axis = row[5:12:3]
     heading = jnp.arctan2(axis[1], axis[0])
     far = stretch(world.odometry, row[:2], heading, job.limits.home, job.settings.yaw_lever)
-    base = jnp.where(far <= job.thresholds.release_margin, world.odometry, station)
     target = Pose(row[:3], row[3:12].reshape(3, 3))
     spread = spread_starts(job.robot.home, job.robot.lower, job.robot.upper, count=_STARTS)
     starts = jnp.concatenate([job.robot.home[None], world.arm[None], spread[1:]])
     settings = IKSettings(spin_weight=_SPIN, position_tolerance=1e-3, orientation_tolerance=0.02)
-    found = solve(job.robot.arm(base), starts, target, job.robot.lower, job.robot.upper, settings)
+
+    def reach(base):
+        return solve(job.robot.arm(base), starts, target, job.robot.lower, job.robot.upper, settings)
+
+    bases = jnp.stack([world.odometry, station])
+    found = jax.vmap(reach)(bases)
+    stay = (far <= job.thresholds.release_margin) & found.converged[0]
+    base = jnp.where(stay, bases[0], bases[1])
+    q, converged = jnp.where(stay, found.q[0], found.q[1]), stay | found.converged[1]
     here = jnp.concatenate([world.odometry, world.arm])
-    return jnp.stack([here, jnp.concatenate([base, found.q])]), found.converged
+    return jnp.stack([here, jnp.concatenate([base, q])]), converged
 
 
 _POSTURE = batched(first_posture, in_axes=(None, 0, 0, 0))

@@ -50,6 +50,13 @@ class Laid(NamedTuple):
     tracking: TrackingScore
     colour: Int[np.ndarray, "worlds time"] | None = None
 
+    @property
+    def films(self) -> Films:
+        """The films. Raises ValueError where they were dropped."""
+        if self.thickness is None:
+            raise ValueError("the films of these worlds were dropped")
+        return self.thickness
+
 
 class _Layer(eqx.Module):
     """What laying needs of a job; the window's size and the number of colours are fixed on the host."""
@@ -138,7 +145,7 @@ def paint_scores(
     """
     uv, stray = np.asarray(laid.uv), np.asarray(laid.stray)
     scores = []
-    for worlds, films in laid.thickness.groups():
+    for worlds, films in laid.films.groups():
         hand = None if laid.colour is None else laid.colour[worlds]
         swept = uv[worlds], down[worlds]
         scores += score_paint_worlds(wanted, grid, films, *swept, film=film, stray=stray[worlds], colour=hand)

@@ -2,40 +2,21 @@
 
 from typing import NamedTuple
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float
+from jaxtyping import Array, Float
 
-from jaxpaint.compiling import batched, one_by_one
-from jaxpaint.mapping.canvas import Canvas
-from jaxpaint.trajectories import (
-    Limits,
-    Obstacles,
-    Trajectory,
-    choose,
-    detours,
-    gap_on_the_way,
-    plan_base_and_arm,
-    plan_within_torque,
-    sample,
-)
+from jaxpaint.trajectories import SCurve, Trajectory, on_one_clock, sample
 from sims.painting.job import Job
-from sims.robots import Robot
+from sims.painting.segments import BLOCK, Around, Segments, plan_segments, ways_around
 
-# Share of the robot's limits that plans use: the rest is for the feedback.
-_PACE = 0.97
 # Rest at each waypoint [s]: the camera looks, the base has stopped, its wheels turn to where it goes next.
 SETTLE = 0.6
 # Wanted between the body and what is around it [m]: scanned points are centimetres apart, echoes are noisy.
 _MARGIN = 0.03
 # An end of the way that is nearer than that itself may be left by so much less [m].
 _SLACK = 0.005
-# Moments of a way at which its gap is looked at.
-_MOMENTS = 64
-# What the lidar sees before the wall may be this much higher than its beams [m].
-_CLUTTER = 0.25
 
 
 class Motion(NamedTuple):
@@ -44,42 +25,65 @@ class Motion(NamedTuple):
     """
 
     trajectory: Trajectory
-    arrival: Float[Array, " w"]
-    gap: Float[Array, ""]
+    arrival: Float[Array, "worlds w"]
+    gap: Float[Array, " worlds"]
 
 
-class Around(eqx.Module):
-    """Who moves and what the lidar saw: all of a job that planning a motion needs, so that other walls do not
-    compile it again.
+def clear_motion(
+    job: Job,
+    waypoints: Float[Array | np.ndarray, "worlds w joints"],
+    points: Float[Array | np.ndarray, "worlds m 3"],
+) -> Motion:
+    """`motion_among` what a job's lidar saw."""
+    return motion_among(Around.of(job), waypoints, points)
+
+
+def motion_among(
+    around: Around,
+    waypoints: Float[Array | np.ndarray, "worlds w joints"],
+    points: Float[Array | np.ndarray, "worlds m 3"],
+) -> Motion:
+    """The motion through the waypoints of every world, clear of the points [m] (NaN is no point) and of the
+    lidar's echoes as far as there is a way.
+
+    Base and arm go apart, in straight lines, as fast as speed, acceleration and torque limits allow.
     """
-
-    robot: Robot
-    canvas: Canvas
-    echoes: Float[Array, "beams 2"]
-
-    @staticmethod
-    def of(job: Job) -> "Around":
-        """A job's."""
-        return Around(job.robot, job.canvas, job.echoes)
-
-
-def limits(robot: Robot) -> Limits:
-    """What plans may ask of the joints."""
-    return Limits(robot.speed_limit * _PACE, robot.acceleration_limit * _PACE)
+    waypoints = np.asarray(waypoints)
+    worlds, count, joints = waypoints.shape
+    ends = np.stack([waypoints[:, :-1], waypoints[:, 1:]], axis=2).reshape(-1, 2, joints)
+    points = np.repeat(np.asarray(points), count - 1, axis=0)
+    chains = find_ways(around, ends, points)
+    by_world = jax.tree.map(lambda x: x.reshape(worlds, -1, *x.shape[2:]), chains)
+    parts = chains.gap.shape[1]
+    trajectory = _assembled(by_world, around.robot.base_size, parts)
+    arrival = jax.vmap(lambda t: t.arrival)(trajectory)
+    return Motion(trajectory, arrival[:, ::parts], jnp.asarray(by_world.gap.min(axis=1)))
 
 
-def plan_motion(robot: Robot, waypoints: Float[Array, "w joints"], mask: Bool[Array, " w"]) -> Trajectory:
-    """Base and arm apart, each in straight lines, as fast as speed, acceleration and torque limits allow."""
-    return plan_within_torque(
-        waypoints,
-        mask,
-        limits(robot),
-        SETTLE,
-        robot.chain,
-        robot.inertia,
-        robot.torque_limit,
-        base_size=robot.base_size,
-    )
+def find_ways(
+    around: Around, ends: Float[np.ndarray, "n 2 joints"], points: Float[np.ndarray, "n m 3"]
+) -> Segments:
+    """A chain of segments between each pair of ends: [n, segments, ...].
+
+    Straight, which is a chain whose first segments have no way, where that is clear by as much as is wanted;
+    else the first of the ways around that is, else the one with the largest gap. As many ways are looked at
+    at a time as fill a block, in their order, and none after one that will do.
+    """
+    straight = plan_segments(around, ends, points)
+    wanted = np.minimum(_MARGIN, straight.at_ends.min(axis=1) - _SLACK)
+    open_ = np.flatnonzero(~_clear(straight.gap[:, None], wanted))
+    ways = ways_around(around, ends[open_]) if open_.size else np.zeros((0, 0, 2, ends.shape[-1]))
+    best, left = _as_chain(straight, ways.shape[2]), np.arange(open_.size)
+    way = 0
+    while left.size and way < ways.shape[1]:
+        some = np.arange(way, min(way + max(1, BLOCK // (3 * left.size)), ways.shape[1]))
+        tried = _chains(around, ends[open_[left]], ways[left][:, some], points[open_[left]])
+        for k in range(some.size):
+            one = jax.tree.map(lambda x, k=k: x[:, k], tried)
+            best = _improved(best, one, open_[left], wanted[open_[left]])
+        left = left[~_clear(best.gap[open_[left]], wanted[open_[left]])]
+        way += some.size
+    return best
 
 
 def motion_duration(trajectory: Trajectory) -> Float[Array, ""]:
@@ -97,108 +101,64 @@ def motion_rows(trajectory: Trajectory, step: Float[Array, ""], count: int) -> F
     return jax.vmap(row)(jnp.arange(count) * step)
 
 
-def surroundings(around: Around, points: Float[Array, "m 3"]) -> Obstacles:
-    """Scanned points, and what the lidar saw: walls are upright, so an echo behind the canvas stands for all
-    heights, clutter before it for its own and below.
-    """
-    depth = around.canvas.to_canvas(
-        jnp.concatenate([around.echoes, jnp.zeros_like(around.echoes[:, :1])], axis=1)
-    )[1]
-    lidar = around.robot.T_base_lidar.p[2]
-    high = jnp.where(depth > 0, 1e3, lidar + _CLUTTER)
-    return Obstacles.points(points) + Obstacles.sticks(around.echoes, high)
+def _chains(
+    around: Around,
+    ends: Float[np.ndarray, "n 2 joints"],
+    vias: Float[np.ndarray, "n ways v joints"],
+    points: Float[np.ndarray, "n m 3"],
+) -> Segments:
+    """The segments from end over the vias to end, [n, ways, v + 1, ...]."""
+    count, ways, v, joints = vias.shape
+    first, last = (np.broadcast_to(ends[:, None, k, None], (count, ways, 1, joints)) for k in (0, 1))
+    rows = np.concatenate([first, vias, last], axis=2)
+    pairs = np.stack([rows[:, :, :-1], rows[:, :, 1:]], axis=3).reshape(-1, 2, joints)
+    found = plan_segments(around, pairs, np.repeat(points, ways * (v + 1), axis=0))
+    return jax.tree.map(lambda x: x.reshape(count, ways, v + 1, *x.shape[1:]), found)
 
 
-def clear_motion(
-    job: Job,
-    waypoints: Float[Array | np.ndarray, "worlds w joints"],
-    points: Float[Array | np.ndarray, "worlds m 3"],
-) -> Motion:
-    """The motion through the waypoints of every world, clear of the points [m] (NaN is no point) and of the
-    lidar's echoes as far as there is a way.
-    """
-    around = Around.of(job)
-    gap, need = _STRAIGHT(around, waypoints, points)
-    vias = jnp.repeat(waypoints[:, :-1, None], 2, axis=2)
-    bent = jnp.zeros(gap.shape, bool)
-    if not bool(np.all(np.asarray(gap >= need))):
-        vias, bent = _BENT(around, waypoints, points, _WAYS(around, waypoints), need)
-    trajectory, arrival = _PLAN(around, waypoints, vias, bent)
-    return Motion(trajectory, arrival, _GAP(around, trajectory, points))
+def _as_chain(straight: Segments, vias: int) -> Segments:
+    """The same as the last segment of a chain whose others end where they start and take no time."""
 
+    def with_none(x, none):
+        return np.stack([*[none] * vias, x], axis=1)
 
-def _straight(around: Around, waypoints, points):
-    """Gap of every straight segment, and how much there has to be."""
-    there = surroundings(around, points)
-
-    def at(q):
-        return gap_on_the_way(around.robot.chain, around.robot.spheres, q[None], there.distance)
-
-    ends = jax.lax.map(at, waypoints)
-    need = jnp.minimum(_MARGIN, jnp.minimum(ends[1:], ends[:-1]) - _SLACK)
-    pairs = jnp.stack([waypoints[:-1], waypoints[1:]], axis=1)
-    gap = jax.lax.map(lambda pair: _gap_between(around.robot, there, pair), pairs)
-    return gap, need
-
-
-def _ways(around: Around, waypoints):
-    robot = around.robot
-    ends = waypoints[:-1], waypoints[1:]
-    return jax.vmap(lambda a, b: detours(robot.chain, a, b, robot.lower, robot.upper))(*ends)
-
-
-def _bent(around: Around, waypoints, points, ways, need):
-    """Via points of every segment, and whether it has any."""
-    there = surroundings(around, points)
-
-    def segment(row):
-        start, goal, ways, need = row
-        vias, bent, _ = choose(start, goal, ways, lambda q: _gap_between(around.robot, there, q), need)
-        return vias, bent
-
-    return jax.lax.map(segment, (waypoints[:-1], waypoints[1:], ways, need))
-
-
-def _plan(around: Around, waypoints, vias, bent):
-    """The trajectory through waypoints and via points, and when it is at the waypoints."""
-    rows = jnp.concatenate([waypoints[:-1, None], vias], axis=1).reshape(-1, waypoints.shape[1])
-    kept = jnp.stack([jnp.ones_like(bent), bent, bent], axis=1).reshape(-1)
-    trajectory = plan_motion(
-        around.robot, jnp.concatenate([rows, waypoints[-1:]]), jnp.append(kept, jnp.ones_like(bent[:1]))
+    start = np.stack([straight.ends[:, 0]] * 2, axis=1)
+    base, arm = (
+        jax.tree.map(with_none, c, SCurve(0 * c.length, 0 * c.duration, c.ramp, c.build_up))
+        for c in (straight.base, straight.arm)
     )
-    return trajectory, trajectory.arrival[::3]
-
-
-def least_gap(around: Around, trajectory: Trajectory, points: Float[Array, "m 3"]) -> Float[Array, ""]:
-    """The least gap between the body and what is around it on the way [m], a lower bound."""
-    there = surroundings(around, points)
-    count = trajectory.start.shape[0]
-
-    def at(segment):
-        start, long = trajectory.start[segment], trajectory.segments[segment]
-        q = jax.vmap(lambda share: sample(trajectory, start + share * long).p)(jnp.linspace(0, 1, _MOMENTS))
-        return gap_on_the_way(around.robot.chain, around.robot.spheres, q, there.distance)
-
-    # a segment without way is not looked at twice
-    moves = trajectory.segments > 0
-    gap = jax.lax.map(
-        lambda k: jax.lax.cond(moves[k], at, lambda k: jnp.full((), jnp.inf), k), jnp.arange(count)
+    first = np.stack([straight.at_ends[:, 0]] * 2, axis=1)
+    return Segments(
+        with_none(straight.ends, start),
+        base,
+        arm,
+        with_none(straight.gap, straight.at_ends[:, 0]),
+        with_none(straight.at_ends, first),
     )
-    here = gap_on_the_way(around.robot.chain, around.robot.spheres, trajectory.points[:1], there.distance)
-    return jnp.minimum(gap.min(), here)
 
 
-def _gap_between(robot: Robot, there: Obstacles, rows: Float[Array, "w joints"]):
-    trajectory = plan_base_and_arm(
-        rows, jnp.ones(rows.shape[0], bool), limits(robot), base_size=robot.base_size
-    )
-    times = jnp.linspace(0, 1, _MOMENTS) * trajectory.duration
-    q = jax.vmap(lambda t: sample(trajectory, t).p)(times)
-    return gap_on_the_way(robot.chain, robot.spheres, q, there.distance)
+def _clear(gap: Float[np.ndarray, "n segments"], wanted: Float[np.ndarray, " n"]) -> np.ndarray:
+    return gap.min(axis=1) >= wanted
 
 
-_STRAIGHT = one_by_one(_straight, in_axes=(None, 0, 0))
-_WAYS = batched(_ways, in_axes=(None, 0))
-_BENT = one_by_one(_bent, in_axes=(None, 0, 0, 0, 0))
-_PLAN = batched(_plan, in_axes=(None, 0, 0, 0))
-_GAP = one_by_one(least_gap, in_axes=(None, 0, 0))
+def _improved(best: Segments, tried: Segments, index: np.ndarray, wanted: np.ndarray) -> Segments:
+    """What was tried in place of the rows of that index, where those will not do and it is better."""
+    gap = best.gap[index]
+    better = ~_clear(gap, wanted) & (tried.gap.min(axis=1) > gap.min(axis=1))
+
+    def put(old, new):
+        out = old.copy()
+        out[index[better]] = new[better]
+        return out
+
+    return jax.tree.map(put, best, tried)
+
+
+def _assembled(segments: Segments, base_size: int, parts: int) -> Trajectory:
+    """All segments of each world on one clock, `parts` to a waypoint, a rest after each that takes time."""
+    points = np.concatenate([segments.ends[:, :, 0], segments.ends[:, -1:, 1]], axis=1)
+    moves = np.maximum(segments.base.duration, segments.arm.duration) > 0
+    moves[:, parts - 1 :: parts] = True  # there is a rest at each waypoint
+    rest = np.where(np.pad(moves, ((0, 0), (1, 0)), constant_values=True), SETTLE, 0).astype(points.dtype)
+    clock = jax.vmap(lambda points, base, arm, rest: on_one_clock(points, base, arm, rest, base_size))
+    return jax.tree.map(np.asarray, clock(points, segments.base, segments.arm, rest))

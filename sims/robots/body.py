@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 
 from jaxpaint.kinematics import Spheres
-from sims.robots.model import body_frames, link_frames, matrix
+from sims.robots.model import body_frames, carrier, link_frames, matrix
 
 _EDGE_SPACING = 0.2  # [m] at most, between two points of a box's edge
 _PICTURE_GROUP = 2  # geoms of this group are there to be looked at: MuJoCo Menagerie's convention
@@ -25,7 +25,7 @@ def spheres_from_model(model: mujoco.MjModel, joints: Sequence[int]) -> Spheres:
     links, bodies = link_frames(model, joints), body_frames(model)
     frame, center, radius = [], [], []
     for geom in range(model.ngeom):
-        link = _link_of(model, int(model.geom_bodyid[geom]), joints)
+        link = carrier(model, int(model.geom_bodyid[geom]), joints)
         if link is None or model.geom_group[geom] == _PICTURE_GROUP or _is_brush(model, geom):
             continue
         points, r = _cover(model, geom)
@@ -47,23 +47,13 @@ def footprint_from_model(model: mujoco.MjModel, joints: Sequence[int], base_size
     corners = [np.zeros((1, 3))]
     for geom in range(model.ngeom):
         body = int(model.geom_bodyid[geom])
-        if _link_of(model, body, joints) != base_size - 1:
+        if carrier(model, body, joints) != base_size - 1:
             continue
         box = model.geom_aabb[geom, :3] + model.geom_aabb[geom, 3:] * _corner_signs()
         corners.append(_moved(to_base @ bodies[body] @ _geom_frame(model, geom), box))
     points = np.concatenate(corners)[:, :2]
     (x0, y0), (x1, y1) = points.min(0), points.max(0)
     return np.array([[x1, y1], [x0, y1], [x0, y0], [x1, y0]])
-
-
-def _link_of(model: mujoco.MjModel, body: int, joints: Sequence[int]) -> int | None:
-    """Which of the joints carries a body, as its place among them; None for what is fixed to the world."""
-    while body > 0:
-        mine = [k for k, j in enumerate(joints) if model.jnt_bodyid[j] == body]
-        if mine:
-            return mine[-1]
-        body = model.body_parentid[body]
-    return None
 
 
 def _is_brush(model: mujoco.MjModel, geom: int) -> bool:

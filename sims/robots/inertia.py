@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from jaxpaint.kinematics.dynamics import Inertia
-from sims.robots.model import body_frames, link_frames, matrix
+from sims.robots.model import body_frames, carrier, link_frames, matrix
 
 
 def inertia_from_model(model: mujoco.MjModel, joints: Sequence[int]) -> Inertia:
@@ -40,20 +40,10 @@ def inertia_from_model(model: mujoco.MjModel, joints: Sequence[int]) -> Inertia:
 
 
 def torque_limits(model: mujoco.MjModel, joints: Sequence[int]) -> Float[np.ndarray, " joints"]:
-    """The largest force or torque of each joint's motors [N, N m]: the force ranges of its actuators and of the
-    joint itself, infinite where the file sets none.
+    """The largest force or torque of each joint's motors [N, N m]: the force ranges of its actuators and of
+    the joint itself, infinite where the file sets none.
     """
     return np.array([min(_actuators(model, j), _joint(model, j)) for j in joints])
-
-
-def carrier(model: mujoco.MjModel, body: int, joints: Sequence[int]) -> int | None:
-    """Which of the joints carries a body, as its place among them; None for what is fixed to the world."""
-    while body > 0:
-        mine = [k for k, j in enumerate(joints) if model.jnt_bodyid[j] == body]
-        if mine:
-            return mine[-1]
-        body = int(model.body_parentid[body])
-    return None
 
 
 def _merged(parts: list[tuple[float, np.ndarray, np.ndarray]]) -> tuple[float, np.ndarray, np.ndarray]:

@@ -79,6 +79,16 @@ def joints_to(model: mujoco.MjModel, body: int) -> list[int]:
     return found
 
 
+def carrier(model: mujoco.MjModel, body: int, joints: Sequence[int]) -> int | None:
+    """Which of the joints carries a body, as its place among them; None for what is fixed to the world."""
+    while body > 0:
+        mine = [k for k, j in enumerate(joints) if model.jnt_bodyid[j] == body]
+        if mine:
+            return mine[-1]
+        body = int(model.body_parentid[body])
+    return None
+
+
 def link_frames(model: mujoco.MjModel, joints: Sequence[int]) -> list[np.ndarray]:
     """T_world_joint of each joint, all of them at 0: origin at its anchor, z along its axis. 4x4, float64."""
     # At 0, and not at the model's reference position: what a joint's `ref` turns is part of the frames.

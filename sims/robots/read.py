@@ -1,6 +1,8 @@
 """A robot's file, MJCF or URDF, as one compiled MuJoCo model with the sites that jaxpaint looks for."""
 
 import xml.etree.ElementTree as ET
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import mujoco
@@ -33,12 +35,24 @@ def robot_model(
     """
     path = REFERENCE if path is None else Path(path)
     try:
-        spec = _spec(path)
-        for site, name in {BRUSH: brush_site, CAMERA: camera_site, LIDAR: LIDAR}.items():
-            _name_site(spec, site, name)
-        return _checked(spec)
+        with _no_log():
+            spec = _spec(path)
+            for site, name in {BRUSH: brush_site, CAMERA: camera_site, LIDAR: LIDAR}.items():
+                _name_site(spec, site, name)
+            return _checked(spec)
     except InputError as error:
         raise InputError(f"robot {path}: {error}") from error
+
+
+@contextmanager
+def _no_log() -> Iterator[None]:
+    """Keeps MuJoCo's MUJOCO_LOG.TXT out of the working folder: what is wrong is said in our errors."""
+    before = mujoco.get_mju_user_warning()
+    mujoco.set_mju_user_warning(lambda message: None)
+    try:
+        yield
+    finally:
+        mujoco.set_mju_user_warning(before)
 
 
 def _spec(path: Path) -> mujoco.MjSpec:

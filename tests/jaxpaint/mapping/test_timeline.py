@@ -234,6 +234,7 @@ def test_many_points_and_runs_are_planned_as_few_are():
     assert np.linalg.norm(np.asarray(path.moves.bump)[1:rows], axis=1).min() > 0.08
 
 
+@pytest.mark.slow
 def test_gradients_agree_with_differences():
     mapped, stroke = drawing("column")
     weight = jnp.asarray(np.random.default_rng(1).standard_normal((64, 3)))

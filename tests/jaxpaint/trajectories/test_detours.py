@@ -1,14 +1,13 @@
-"""Ways around: a bar in the way of the straight motion, and the gap between two moments."""
+"""Ways around: where the via points lie."""
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxpaint.kinematics import forward, sphere_centers
-from jaxpaint.trajectories import Obstacles, choose, detours, gap_on_the_way
-from jaxpaint.trajectories.clearance import sphere_centers_along
-from jaxpaint.trajectories.detours import RETREATS, TOGETHER
+from jaxpaint.compiling import batched
+from jaxpaint.kinematics import forward
+from jaxpaint.trajectories import WAYS, detours
 from sims.robots import load_robot
 
 
@@ -17,74 +16,58 @@ def robot():
     return load_robot()
 
 
-def test_points_and_sticks_have_the_distances_of_segments():
-    around = Obstacles.points(jnp.array([[1.0, 0, 1], [jnp.nan, 0, 0]])) + Obstacles.sticks(
-        jnp.array([[0.0, 2], [jnp.nan, 0]]), jnp.array([0.5, 0.5])
-    )
-    at = jax.jit(lambda p: around.distance(p))
-    assert float(at(jnp.array([1.0, 0, 1.3]))) == pytest.approx(0.3)
-    assert float(at(jnp.array([0.0, 1.9, 0.2]))) == pytest.approx(0.1)
-    assert float(at(jnp.array([0.0, 2.0, 0.9]))) == pytest.approx(0.4)
-
-
-def test_the_loop_along_the_chain_agrees_with_the_kinematics(robot):
-    q = np.random.default_rng(0).uniform(-2, 2, (5, 9)).astype(np.float32)
-    found = jax.jit(sphere_centers_along)(robot.chain, robot.spheres, q)
-    wanted = jax.jit(jax.vmap(lambda row: sphere_centers(robot.chain, robot.spheres, row)))(q)
-    np.testing.assert_allclose(found, wanted, atol=1e-5)
-
-
-def test_the_bound_sees_what_lies_between_two_moments(robot):
-    """A thin post between two poses of the base that are both clear of it."""
-    home = np.asarray(robot.at_home(jnp.zeros(3)))
-    q = np.stack([home, home])
-    q[1, 1] = 4.0
-    post = Obstacles.sticks(jnp.array([[0.0, 2.0]]), jnp.array([1.0]))
-    gap = jax.jit(lambda q: gap_on_the_way(robot.chain, robot.spheres, q, post.distance))
-    assert min(float(gap(q[:1])), float(gap(q[1:]))) > 1
-    assert float(gap(q)) < 0
-    fine = np.linspace(q[0], q[1], 60)
-    assert float(gap(fine[:20])) > 0.3 and float(gap(fine)) < 1e-3
-
-
-def test_retreats_draw_the_tool_back_along_its_axis_and_the_base_with_it(robot):
+@pytest.fixture(scope="module")
+def ends(robot):
+    """At home and, turned and aside, with the arm a little elsewhere."""
     start = np.asarray(robot.at_home(jnp.zeros(3)))
-    goal = np.asarray(robot.at_home(jnp.array([0.0, 0.5, 0.2])))
-    ways = np.asarray(jax.jit(detours)(robot.chain, start, goal, robot.lower, robot.upper))
-    np.testing.assert_allclose(ways[0], [start, goal])
-    pose = jax.jit(forward)
-    for end, q in enumerate((start, goal)):
-        here = pose(robot.chain, q)
-        for way, (tool, base) in zip(ways[: len(RETREATS)], RETREATS, strict=True):
-            if tool > 0.3:
-                continue  # further than the folded arm can go
-            there = pose(robot.chain, way[end])
-            np.testing.assert_allclose(there.p, here.p - (tool + base) * here.R[:, 2], atol=0.02)
-            np.testing.assert_allclose(there.R[:, 2], here.R[:, 2], atol=0.02)
-            assert np.linalg.norm(way[end, :2] - q[:2]) == pytest.approx(base, abs=1e-3)
-    # and the ways that the base goes together at both ends
-    for way, (_, base) in zip(ways[len(RETREATS) :], TOGETHER, strict=True):
-        np.testing.assert_allclose(way[0, :2] - start[:2], way[1, :2] - goal[:2], atol=1e-6)
-        assert np.linalg.norm(way[0, :2] - start[:2]) == pytest.approx(base, abs=1e-3)
+    goal = np.array(robot.at_home(jnp.array([0.0, 0.5, 0.2])))
+    goal[3:] += 0.2
+    return start, goal
 
 
-def test_the_first_way_that_is_clear_is_taken_and_no_more_are_asked():
-    start, goal = jnp.zeros(2), jnp.ones(2)
-    ways = jnp.arange(5.0)[:, None, None] * jnp.ones((5, 2, 2))
-    asked = []
+@pytest.fixture(scope="module")
+def ways(robot, ends):
+    find = batched(
+        lambda r, *ends: detours(r.chain, *ends, r.lower, r.upper, r.home), in_axes=(None, 0, 0), chunk=1
+    )
+    return np.asarray(find(robot, *(q[None] for q in ends)))[0]
 
-    def run(gaps, margin):
-        def gap(rows):
-            jax.debug.callback(lambda k: asked.append(int(k)), rows[1, 0])
-            return gaps[rows[1, 0].astype(int)]
 
-        return jax.jit(lambda: choose(start, goal, ways, gap, jnp.asarray(margin)))()
+POSE = jax.jit(forward)
 
-    vias, bent, gap = run(jnp.array([-0.1, 0.01, 0.2, 0.3, 0.4]), 0.1)
-    jax.effects_barrier()
-    assert float(vias[0, 0]) == 2 and bool(bent) and float(gap) == pytest.approx(0.2)
-    assert asked == [0, 1, 2]
-    vias, bent, _ = run(jnp.array([0.2, 0.3, 0.4, 0.5, 0.6]), 0.1)
-    assert float(vias[0, 0]) == 0 and not bool(bent)
-    vias, bent, gap = run(jnp.array([-0.5, -0.2, -0.3, jnp.nan, -0.4]), 0.1)
-    assert float(vias[0, 0]) == 1 and bool(bent) and float(gap) == pytest.approx(-0.2)
+
+def test_the_arm_draws_the_tool_back_along_its_axis_and_the_base_goes_as_far_as_asked(robot, ends, ways):
+    drawn = 0
+    for way, (tool, base, where, folded) in zip(ways, WAYS, strict=True):
+        for q, via in zip(ends, way, strict=True):
+            assert np.linalg.norm(via[:2] - q[:2]) == pytest.approx(base, abs=1e-3) and via[2] == q[2]
+            if folded or tool > 0.26 or where > 0:
+                continue  # further than the folded arm can go, or not along the tool
+            here, there = POSE(robot.chain, q), POSE(robot.chain, via)
+            level = np.array([here.R[0, 2], here.R[1, 2], 0])
+            wanted = here.p - tool * here.R[:, 2] - base * level / np.linalg.norm(level)
+            np.testing.assert_allclose(there.p, wanted, atol=0.02)
+            np.testing.assert_allclose(there.R[:, 2], here.R[:, 2], atol=0.03)
+            drawn += tool > 0
+    assert drawn >= 6
+
+
+def test_both_ends_go_the_same_way_or_each_straight_back(ends, ways):
+    for where in (1, 2):
+        chosen = ways[(WAYS[:, 2] == where) & (WAYS[:, 1] > 0)]
+        assert len(chosen)
+        for way in chosen:
+            step = [via[:2] - q[:2] for via, q in zip(way, ends, strict=True)]
+            if where == 1:
+                np.testing.assert_allclose(step[0], step[1], atol=1e-6)
+            else:
+                for q, one in zip(ends, step, strict=True):
+                    heading = np.array([np.cos(q[2]), np.sin(q[2])])
+                    np.testing.assert_allclose(one, -np.linalg.norm(one) * heading, atol=1e-6)
+
+
+def test_an_arm_that_is_folded_is_at_home_and_one_that_is_not_asked_stays(robot, ends, ways):
+    for way, (tool, _, _, folded) in zip(ways, WAYS, strict=True):
+        for q, via in zip(ends, way, strict=True):
+            if folded or tool == 0:
+                np.testing.assert_allclose(via[3:], robot.home if folded else q[3:], atol=1e-6)

@@ -31,7 +31,8 @@ def planned(robot):
 
             return jax.vmap(at)(jnp.linspace(0, 1, 800) * trajectory.duration)
 
-        return free, bound, torques(free), torques(bound)
+        both = jax.tree.map(lambda a, b: jnp.stack([a, b]), free, bound)
+        return free, bound, *jax.vmap(torques)(both)
 
     @jax.jit
     def weights(points):

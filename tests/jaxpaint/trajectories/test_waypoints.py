@@ -88,9 +88,9 @@ def test_the_bases_speed_is_limited_along_its_line(x64):
     """A diagonal of the same length takes as long as a straight way, and the base keeps to the line."""
     lengths = []
     for angle in (0.0, np.pi / 4):
-        points = np.zeros((2, 9))
+        points = np.zeros((3, 9))
         points[1, :3] = [2 * np.cos(angle), 2 * np.sin(angle), 0.3]
-        trajectory = planned(points, np.ones(2, bool))
+        trajectory = planned(points, np.arange(3) < 2)
         lengths.append(float(trajectory.duration))
         s, _ = sampled(trajectory, 101)
         assert np.linalg.norm(s.v[:, :2], axis=1).max() <= 0.5 * (1 + 1e-5)

@@ -5,18 +5,11 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from experiments.commands.paint_options import PaintOptions
 from experiments.exports import read_table, write_table
 from experiments.exports.planned import planned
 from experiments.exports.replay import replay
-from experiments.paint_job import paint_task
-from sims.painting import run_mission
 from sims.painting.joint_plan import planned_joint_trajectory, smooth_trajectory
 from sims.status import Status
-
-PICTURE = """<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 60 60" fill="none" stroke="black">
-<path d="M5 10 H40"/><path d="M5 30 Q25 50 50 30"/></svg>"""
-WORLDS = 4  # as many as tests/sims/painting/test_mission.py has: compiled once for both
 
 
 def test_velocity_and_acceleration_are_those_of_the_positions():
@@ -41,18 +34,6 @@ def test_an_angle_does_not_jump_by_a_turn():
     np.testing.assert_allclose(found.position[:, 0], turning)
     assert np.abs(found.velocity[:, 0]).max() < 2
     assert np.abs(found.velocity[:, 1]).max() > 50, "a slide is taken at its word"
-
-
-@pytest.fixture(scope="module")
-def task(tmp_path_factory):
-    picture = tmp_path_factory.mktemp("picture") / "two.svg"
-    picture.write_text(PICTURE)
-    return paint_task(PaintOptions(image=picture, canvas_size=(0.5, 0.5), worlds=WORLDS))
-
-
-@pytest.fixture(scope="module")
-def mission(task):
-    return run_mission(task.job, task.grid, np.arange(WORLDS))
 
 
 @pytest.fixture(scope="module")

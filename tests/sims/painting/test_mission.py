@@ -12,21 +12,7 @@ from sims.painting import run_mission
 from sims.painting.drive import _BLOCKS, BrushPlan
 from sims.status import Status
 
-PICTURE = """<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 60 60" fill="none" stroke="black">
-<path d="M5 10 H40"/><path d="M5 30 Q25 50 50 30"/></svg>"""
-WORLDS = 4
-
-
-@pytest.fixture(scope="module")
-def task(tmp_path_factory):
-    picture = tmp_path_factory.mktemp("picture") / "two.svg"
-    picture.write_text(PICTURE)
-    return paint_task(PaintOptions(image=picture, canvas_size=(0.5, 0.5), worlds=WORLDS))
-
-
-@pytest.fixture(scope="module")
-def mission(task):
-    return run_mission(task.job, task.grid, np.arange(WORLDS))
+WORLDS = 4  # of the fixtures
 
 
 def test_all_worlds_are_painted(task, mission):
@@ -76,9 +62,12 @@ def test_a_world_does_not_depend_on_how_many_run_and_sweeps_do_not_trace_again(t
     np.testing.assert_array_equal(np.asarray(more.laid.tracking.total)[:WORLDS], mission.laid.tracking.total)
 
 
-def test_a_canvas_out_of_reach_is_unreachable_not_an_error(task):
-    high = paint_task(PaintOptions(canvas_size=(0.5, 0.5), canvas_pose=(-0.05, 0.0, 2.5, 0.0), worlds=2))
-    mission = run_mission(high.job, high.grid, np.arange(2))
+def test_a_canvas_out_of_reach_is_unreachable_not_an_error(two_strokes):
+    pose = (-0.05, 0.0, 2.5, 0.0)
+    high = paint_task(
+        PaintOptions(image=two_strokes, canvas_size=(0.5, 0.5), canvas_pose=pose, worlds=WORLDS)
+    )
+    mission = run_mission(high.job, high.grid, np.arange(WORLDS))
     np.testing.assert_array_equal(mission.status, Status.UNREACHABLE)
 
 

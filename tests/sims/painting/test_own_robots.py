@@ -11,24 +11,17 @@ from experiments.paint_job import paint_task
 from sims.painting import run_mission
 
 ROBOTS = Path(__file__).resolve().parents[2] / "robots"
-PICTURE = """<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 60 60" fill="none" stroke="black">
-<path d="M5 10 H40"/><path d="M5 30 Q25 50 50 30"/></svg>"""
 WORLDS = 8
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        "seven_joints.xml",
-        pytest.param("mecanum.xml", marks=pytest.mark.slow),
-        pytest.param("big_arm.xml", marks=pytest.mark.slow),
-        pytest.param("big_arm.urdf", marks=pytest.mark.slow),
-    ],
-)
-def test_any_arm_on_any_base_paints(tmp_path, name):
-    picture = tmp_path / "two.svg"
-    picture.write_text(PICTURE)
-    task = paint_task(PaintOptions(image=picture, canvas_size=(0.5, 0.5), worlds=WORLDS, robot=ROBOTS / name))
+# Slow, since each robot is a mission to compile; tests/opt/wbc/test_arms.py follows a circle with
+# two of them, and tests/sims/robots/test_own_robots.py reads all and has them reach a wall.
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["seven_joints.xml", "mecanum.xml", "big_arm.xml", "big_arm.urdf"])
+def test_any_arm_on_any_base_paints(two_strokes, name):
+    task = paint_task(
+        PaintOptions(image=two_strokes, canvas_size=(0.5, 0.5), worlds=WORLDS, robot=ROBOTS / name)
+    )
     rows = score(task, run_mission(task.job, task.grid, np.arange(WORLDS)))
     assert [row.status for row in rows] == ["ok"] * WORLDS
     assert np.median([row.rmse_total for row in rows]) < 0.003

@@ -59,8 +59,8 @@ ODD = """<mujoco><worldbody><body name="a" pos="0.1 0 0.2"><joint name="s" type=
 <body pos="0.3 0 0.1"><joint name="h" axis="0.3 -1 0.2" pos="0.05 0 0" armature="0.2" damping="0.4"
 actuatorfrcrange="-7 9"/><geom type="capsule" size="0.03" fromto="0 0 0 0.4 0 0.2" mass="2"/>
 <site name="tip" pos="0.4 0 0.2"/></body></body></body></worldbody>
-<actuator><motor joint="s" gear="3" ctrlrange="-2 2"/><general joint="h" forcerange="-20 20" gainprm="1"/></actuator>
-</mujoco>"""
+<actuator><motor joint="s" gear="3" ctrlrange="-2 2"/>
+<general joint="h" forcerange="-20 20" gainprm="1"/></actuator></mujoco>"""
 
 
 def test_slides_odd_axes_and_welded_bodies(x64):

@@ -140,13 +140,15 @@ def test_defaults_of_a_file_that_says_little(tmp_path):
         ("</mujoco>", "", "odd.xml.*not an MJCF that MuJoCo reads"),
     ],
 )
-def test_bad_robots_are_named_in_one_line(tmp_path, found, put, message):
+def test_bad_robots_are_named_in_one_line(tmp_path, monkeypatch, found, put, message):
+    monkeypatch.chdir(tmp_path)
     path = tmp_path / "odd.xml"
     assert found in LEVEL
     path.write_text(LEVEL.replace(found, put))
     with pytest.raises(InputError, match=message) as caught:
         load_robot(path)
     assert "odd.xml" in str(caught.value) and "\n" not in str(caught.value)
+    assert list(tmp_path.iterdir()) == [path], "MuJoCo's own log is kept out of the working folder"
 
 
 def test_a_ball_in_the_arm_is_refused(tmp_path):

@@ -1,0 +1,176 @@
+"""Straight segments of a motion: how base and arm drive them, and how near the body comes to what is there.
+
+Every segment is planned apart, in blocks of one size, so that one compilation serves all motions.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from jaxpaint.compiling import Batched, batched, one_by_one
+from jaxpaint.mapping.canvas import Canvas
+from jaxpaint.trajectories import (
+    Limits,
+    Obstacles,
+    SCurve,
+    detours,
+    footprint_gap,
+    gap_on_the_way,
+    on_one_clock,
+    on_segment,
+    plan_within_torque,
+)
+from sims.painting.job import Job
+from sims.robots import Robot
+
+# Share of the robot's limits that plans use: the rest is for the feedback.
+_PACE = 0.97
+# Moments of a segment at which its gap is looked at.
+_MOMENTS = 64
+# What the lidar sees before the wall may be this much higher than its beams [m].
+_CLUTTER = 0.25
+BLOCK = 32
+"""Rows of a block: one compilation for all counts."""
+
+# Scanned points are filled up to a multiple of this, for the same reason.
+_POINTS = 512
+
+
+class Around(eqx.Module):
+    """Who moves and what the lidar saw: all of a job that planning a motion needs, so that other walls do not
+    compile it again.
+    """
+
+    robot: Robot
+    canvas: Canvas
+    echoes: Float[Array, "beams 2"]
+
+    @staticmethod
+    def of(job: Job) -> "Around":
+        """A job's."""
+        return Around(job.robot, job.canvas, job.echoes)
+
+
+class Segments(NamedTuple):
+    """Straight ways and how they are done; the leading axis is the segments.
+
+    ends: joint positions. base, arm: progress of each. gap: least gap of the body on the way [m], a lower
+    bound. at_ends: the gap at either end [m].
+    """
+
+    ends: Float[np.ndarray, "n 2 joints"]
+    base: SCurve
+    arm: SCurve
+    gap: Float[np.ndarray, " n"]
+    at_ends: Float[np.ndarray, "n 2"]
+
+
+def limits(robot: Robot) -> Limits:
+    """What plans may ask of the joints."""
+    return Limits(robot.speed_limit * _PACE, robot.acceleration_limit * _PACE)
+
+
+def plan_segments(
+    around: Around, ends: Float[np.ndarray, "n 2 joints"], points: Float[np.ndarray, "n m 3"]
+) -> Segments:
+    """Each as fast as speed, acceleration and torque allow, with its gap to the points and to the echoes."""
+    base, arm = in_blocks(_DRIVE, (around.robot,), (ends,))
+    gap, at_ends = in_blocks(_GAP, (around,), (ends, base, arm, filled(points)))
+    return Segments(ends, base, arm, gap, at_ends)
+
+
+def ways_around(
+    around: Around, ends: Float[np.ndarray, "n 2 joints"]
+) -> Float[np.ndarray, "n ways v joints"]:
+    """Via points of the ways that can be tried between the ends."""
+    return in_blocks(_WAYS, (around.robot,), (ends,))
+
+
+def surroundings(around: Around, points: Float[Array, "m 3"]) -> Obstacles:
+    """Scanned points, and what the lidar saw: walls are upright, so an echo behind the canvas stands for all
+    heights, clutter before it for its own and below.
+    """
+    flat = jnp.concatenate([around.echoes, jnp.zeros_like(around.echoes[:, :1])], axis=1)
+    depth = around.canvas.to_canvas(flat)[1]
+    high = jnp.where(depth > 0, 1e3, around.robot.T_base_lidar.p[2] + _CLUTTER)
+    return Obstacles.points(points) + Obstacles.sticks(around.echoes, high)
+
+
+def body_gap(robot: Robot, there: Obstacles, q: Float[Array, "times joints"]) -> Float[Array, ""]:
+    """A lower bound of the body's gap [m] at and between joint positions.
+
+    The base counts as its rectangle, from the floor up to the lidar; all else as spheres.
+    """
+    body = gap_on_the_way(robot.chain, robot.spheres, q, there.distance)
+    base = footprint_gap(robot.footprint, q[:, : robot.base_size], there, robot.T_base_lidar.p[2])
+    return jnp.minimum(body, base)
+
+
+def filled(points: Float[np.ndarray, "n m 3"]) -> Float[np.ndarray, "n more 3"]:
+    """With as many more that are no points as make the count a round one."""
+    missing = -points.shape[1] % _POINTS
+    return np.pad(np.asarray(points), ((0, 0), (0, missing), (0, 0)), constant_values=np.nan)
+
+
+def in_blocks(program: Batched, shared: Sequence, rows: Sequence):
+    """Runs a program on all rows, block by block; the last is filled up with rows of NaN."""
+    rows = jax.tree.map(np.asarray, tuple(rows))
+    count = len(jax.tree.leaves(rows)[0])
+    blocks = []
+    for first in range(0, count, BLOCK):
+        part = jax.tree.map(lambda x, first=first: _block(x, first), rows)
+        blocks.append(jax.tree.map(np.asarray, program(*shared, *part)))
+    return jax.tree.map(lambda *parts: np.concatenate(parts)[:count], *blocks)
+
+
+def _block(rows: np.ndarray, first: int) -> np.ndarray:
+    own = rows[first : first + BLOCK]
+    missing = [(0, BLOCK - len(own))] + [(0, 0)] * (own.ndim - 1)
+    return np.pad(own, missing, constant_values=np.nan)
+
+
+def _drive(robot: Robot, ends: Float[Array, "2 joints"]):
+    """Progress of base and arm."""
+    both = jnp.ones(2, bool)
+    trajectory = plan_within_torque(
+        ends,
+        both,
+        limits(robot),
+        0.0,
+        robot.chain,
+        robot.inertia,
+        robot.torque_limit,
+        base_size=robot.base_size,
+    )
+    return jax.tree.map(lambda x: x[0], (trajectory.base, trajectory.arm))
+
+
+def _gap(around: Around, ends, base: SCurve, arm: SCurve, points):
+    """Least gap of one segment, and that at its ends; NaN, without work, for one that goes nowhere known."""
+    known = jnp.isfinite(ends).all()
+    nothing = jnp.full((), jnp.nan, ends.dtype), jnp.full(2, jnp.nan, ends.dtype)
+    return jax.lax.cond(known, lambda: _known_gap(around, ends, base, arm, points), lambda: nothing)
+
+
+def _known_gap(around: Around, ends, base: SCurve, arm: SCurve, points):
+    robot, there = around.robot, surroundings(around, points)
+    base, arm = jax.tree.map(lambda x: x[None], (base, arm))
+    segment = on_one_clock(ends, base, arm, jnp.zeros_like(ends[:, 0]), robot.base_size)
+    times = jnp.linspace(0, 1, _MOMENTS) * segment.segments[0]
+    q = jax.vmap(lambda time: on_segment(segment, 0, time).p)(times)
+    at_ends = jax.lax.map(lambda row: body_gap(robot, there, row[None]), ends)
+    return jnp.minimum(body_gap(robot, there, q), at_ends.min()), at_ends
+
+
+def _ways(robot: Robot, ends):
+    return detours(robot.chain, ends[0], ends[1], robot.lower, robot.upper, robot.home)
+
+
+_DRIVE = batched(_drive, in_axes=(None, 0), chunk=BLOCK // 2)
+_GAP = one_by_one(_gap, in_axes=(None, 0, 0, 0, 0))
+_WAYS = batched(_ways, in_axes=(None, 0), chunk=BLOCK // 2)
