@@ -26,7 +26,8 @@ def dropped_words(stroke: Int[np.ndarray, " points"], status: Int[np.ndarray, "w
     """One line for each reason why points were left out, with the strokes they belong to.
 
     stroke: the stroke of each point, from 0; names count from 1, as the preview does. status: a `Cause` for
-    each point in each world. A point counts where it was left out in at least half of the worlds, by its commonest cause.
+    each point in each world. A point counts where it was left out in at least half of the worlds, by its
+    commonest cause.
     """
     counts = np.stack([(status == cause).mean(axis=0) for cause in Cause])
     lost = counts[Cause.HIT] <= 0.5

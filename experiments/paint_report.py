@@ -80,7 +80,7 @@ def _shown(rows: Sequence[WorldScore]) -> list[int]:
 
 
 def _wall(task: PaintTask, mission: Mission, world: int, name: str) -> PaintedWall:
-    thickness = mission.laid.thickness[world]
+    thickness = mission.laid.films[world]
     cell, origin = float(task.grid.cell), np.asarray(task.grid.origin, float)
     rows, columns = task.grid.shape
     lower = origin - cell / 2

@@ -14,7 +14,7 @@ _REFUSED = (Status.UNREACHABLE, Status.INFEASIBLE, Status.DIVERGED)
 
 
 def planned(job: Job, missions: Sequence[Mission], world: int) -> tuple[JointTrajectory | None, str]:
-    """The planned trajectory of a world of the run, whose groups are `missions`; or none, and why in words."""
+    """The planned trajectory of a world of the run whose groups are `missions`; or none, and why in words."""
     ends = np.cumsum([len(mission.status) for mission in missions])
     group = int(np.searchsorted(ends, world, side="right"))
     if group == len(missions):

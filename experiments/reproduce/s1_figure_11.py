@@ -14,7 +14,7 @@ from jaxpaint.mapping import Canvas, Cause, Mapped, cast
 from jaxpaint.mapping.raycast import Metric
 from sims.scenes.canvases import default_canvas
 from sims.scenes.scene import Scene
-from sims.scenes.walls import WALLS, make_wall
+from sims.scenes.walls import make_wall
 
 NAME = "s1-figure-11"
 SPACING = 0.010
@@ -24,6 +24,7 @@ _ROOM = 2**15
 """Points that each cloud is padded to: one program for all walls."""
 _MARGIN = 0.12
 """Of the cloud around the canvas [m]."""
+_WALLS = ("flat", "corner", "cylinder")
 _METRICS: dict[str, Metric] = {"ours": "distance", "cosine metric": "cosine"}
 _ARROW = 0.12
 """Length of the drawn brush directions [m]."""
@@ -46,7 +47,7 @@ def run(
     """Largest errors over all hits, by our metric and by S1's cosine; the figure shows ours. Not random."""
     del settings
     rows, shown = [], []
-    for name in WALLS:
+    for name in _WALLS:
         for variant in variants:
             wall = map_curve(name, _METRICS[variant])
             hit = np.asarray(wall.mapped.status) == Cause.HIT

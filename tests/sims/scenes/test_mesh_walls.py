@@ -140,11 +140,12 @@ def test_a_closed_mesh_shows_the_side_that_faces_the_robot(walls):
     assert wall.report.up == "+z" and wall.report.up_guessed and wall.report.height == pytest.approx(0.0)
     middle = wall.report.T_map_mesh @ np.array([5.0, 3.0, 1.0, 1.0])
     np.testing.assert_allclose(middle[:3], [RADIUS, 0.0, 1.2], atol=0.01)
-    arc = 2 * np.arcsin(0.5 * float(wall.canvas.size[0]) / RADIUS)
-    # 1.2 m of chord: a square canvas is as large as its height allows.
-    assert np.rad2deg(arc) >= 58
+    # Free is what turns away by up to 40 degrees to either side, 1.6 m of its height; of the canvases up to
+    # 1.2 m high in it, a square has the largest area.
+    assert wall.report.free_area == pytest.approx(2 * RADIUS * np.sin(np.deg2rad(40)) * 1.6, rel=0.02)
+    np.testing.assert_allclose(wall.canvas.size, 1.2, atol=0.011)
     low, high = (float(wall.canvas.center[2]) + sign * 0.5 * float(wall.canvas.size[1]) for sign in (-1, 1))
-    assert low > 0.29 and high < 1.91
+    assert 0.29 < low < high < 1.91
 
 
 def test_u_is_arc_length_on_a_column(walls):
