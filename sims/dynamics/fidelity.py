@@ -66,10 +66,13 @@ class Dynamic(Fidelity):
         motion, arm, arm_velocity, servos = self._physics(
             robot, world, (before, told), command.arm_velocity, dt
         )
-        rolled = motion / dt
-        base, odometry = rolled_base(
-            robot, noise, world, wheels.angle, robot.drive.rolled(rolled, wheels.angle), rolled, shock, dt
-        )
+        # Tyres hold sideways: the base keeps what its wheels can roll, as a wheel's own lag must not become
+        # sliding that odometry cannot see.
+        speeds = robot.drive.rolled(motion / dt, wheels.angle)
+        rolled = robot.drive.twist(wheels.angle, speeds)
+        rolling = robot.drive.twist(wheels.angle, robot.drive.rolled(servos.rolling, wheels.angle))
+        servos = servos._replace(rolling=rolling)
+        base, odometry = rolled_base(robot, noise, world, wheels.angle, speeds, rolled, shock, dt)
         return World(base, arm, arm_velocity, wheels, odometry, world.slip, servos)
 
     def _physics(self, robot: RobotLimits, world: World, twists, arm_velocity, dt):
