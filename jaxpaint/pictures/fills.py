@@ -15,9 +15,9 @@ from jaxpaint.pictures.regions import line_strings, polygons, region_of
 
 Style = Literal["hatch", "contour", "outline"]
 
-# Chosen on a simulated brush that wanders 2 mm (one sigma) over decimetres and wets 1.3 mm beyond its radius, one
-# seed a picture: coverage 0.99 or more on a silhouette and two logos, 0.967 on handwriting read as areas with a
-# 4 mm brush, rims within 3 mm. Less overlap leaves slits between rows.
+# Chosen on a simulated brush that wanders 2 mm (one sigma) over decimetres and wets 1.3 mm beyond its radius,
+# one seed a picture: coverage 0.99 or more on a silhouette and two logos, 0.967 on handwriting read as areas
+# with a 4 mm brush, rims within 3 mm. Less overlap leaves slits between rows.
 OVERLAP = 0.35
 BLEED = 0.00125  # [m]
 
