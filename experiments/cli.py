@@ -13,7 +13,7 @@ from typing import Annotated, Any, NoReturn, Union
 
 from experiments import process
 from experiments.commands import MODULES, Command, find
-from experiments.options import from_config, option_names, refuse, required, values_of
+from experiments.options import from_config, option_names, refuse, repeated, required, values_of
 from experiments.output import describe_versions, read_summary
 from jaxpaint.errors import InputError
 
@@ -74,7 +74,7 @@ def parse(command: Command, words: list[str]) -> Any:
     """The command's options from words; None where help was asked for and given."""
     import tyro
 
-    default = _default(command, words)
+    earlier = _earlier(command, words)
     said = io.StringIO()
     try:
         with contextlib.redirect_stderr(said), warnings.catch_warnings():
@@ -83,7 +83,7 @@ def parse(command: Command, words: list[str]) -> Any:
                 command.options,
                 prog=f"{PROGRAM} {command.name}",
                 args=_with_signs(command, words),
-                default=default,
+                default=tyro.MISSING_NONPROP if earlier is None else earlier,
                 return_unknown_args=True,
             )
     except SystemExit as leaving:
@@ -92,7 +92,7 @@ def parse(command: Command, words: list[str]) -> Any:
         _refuse_box(command, said.getvalue())
     if unknown:
         _refuse_unknown(command, unknown)
-    return options
+    return options if earlier is None else repeated(options, earlier, _given(command, words))
 
 
 def _with_signs(command: Command, words: list[str]) -> list[str]:
@@ -108,15 +108,25 @@ def _with_signs(command: Command, words: list[str]) -> list[str]:
     return joined
 
 
-def _default(command: Command, words: list[str]) -> Any:
-    """The options of the run that `--config` names, or none."""
-    import tyro
-
+def _earlier(command: Command, words: list[str]) -> Any:
+    """The options of the run that `--config` names, None without one."""
     path = _value_after("--config", words)
     if path is None:
-        return tyro.MISSING_NONPROP
+        return None
     summary = read_summary(Path(path), command.name)
-    return from_config(command.options, summary["config"], path, _other_version(summary))
+    remark, chosen = _other_version(summary), summary.get("chosen", ())
+    return from_config(command.options, summary["config"], path, remark, chosen)
+
+
+def _given(command: Command, words: list[str]) -> set[str]:
+    """Fields that a command line names; a flag also by its `--no-`. All that has no name of its own is."""
+    said = {word.partition("=")[0].replace("_", "-") for word in words if word.startswith("--")}
+    names = option_names(command.options)
+    return {
+        field
+        for field, name in names.items()
+        if name in said or name.replace("--", "--no-", 1) in said or not name.startswith("--")
+    }
 
 
 def _other_version(summary: Mapping[str, Any]) -> str:

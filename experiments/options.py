@@ -5,7 +5,7 @@ The command line, a repeated `summary.json` and a caller in Python all pass the 
 
 import dataclasses
 import typing
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any, NoReturn, TypeVar
 
@@ -16,7 +16,7 @@ from jaxpaint.errors import InputError
 
 Options = TypeVar("Options")
 
-NOT_REPEATED = ("out", "overwrite", "config")
+NOT_REPEATED = ("out", "overwrite", "config", "chosen")
 """Options that say where one run goes; `--config` takes them from the command line alone."""
 
 _POSITIONAL = typing.get_args(Positional[int])[1]
@@ -44,19 +44,30 @@ def required(options_type: type) -> set[str]:
     return {field.name for field in fields if field.default is dataclasses.MISSING}
 
 
+def defaults_of(options_type: type) -> dict[str, Any]:
+    """The default of each field that has one."""
+    fields = dataclasses.fields(options_type)
+    return {field.name: field.default for field in fields if field.default is not dataclasses.MISSING}
+
+
 def check(options: Any) -> None:
     """Raise InputError for the first value that is not allowed; None is, where it is the default."""
-    defaults = {field.name: field.default for field in dataclasses.fields(options)}
     names = option_names(type(options))
     for field, values in values_of(type(options)).items():
         value = getattr(options, field)
-        if value is None and defaults[field] is None:
+        if is_allowed(options, field, value):
             continue
         if values is None:
-            if not isinstance(value, bool):
-                refuse(names[field], value, "true or false")
-        elif not values.holds(value):
-            refuse(names[field], value, values.allowed, values.remark(value))
+            refuse(names[field], value, "true or false")
+        refuse(names[field], value, values.allowed, values.remark(value))
+
+
+def is_allowed(options: Any, field: str, value: Any) -> bool:
+    """Whether an option may have this value, whatever the others are."""
+    if value is None and defaults_of(type(options)).get(field, ...) is None:
+        return True
+    values = values_of(type(options))[field]
+    return isinstance(value, bool) if values is None else values.holds(value)
 
 
 def refuse(name: str, found: Any, allowed: str, remark: str = "") -> NoReturn:
@@ -75,11 +86,16 @@ def to_config(options: Any) -> dict[str, Any]:
 
 
 def from_config(
-    options_type: type[Options], config: Mapping[str, Any], source: str, remark: str = ""
+    options_type: type[Options],
+    config: Mapping[str, Any],
+    source: str,
+    remark: str = "",
+    chosen: Any = (),
 ) -> Options:
     """Options from the `config` of an earlier `summary.json`, called `source` in errors; not checked here.
 
-    remark: why an unknown option may be there.
+    remark: why an unknown option may be there. chosen: the summary's list of options that the earlier run
+    chose itself.
     """
     known = {name: values for name, values in values_of(options_type).items() if name not in NOT_REPEATED}
     unknown = sorted(set(config) - set(known) - set(NOT_REPEATED))
@@ -89,7 +105,30 @@ def from_config(
     if missing:
         refuse(f"{source}: config", f"no {missing[0]}", f"all of {', '.join(sorted(required(options_type)))}")
     given = {name: _restored(values, config[name]) for name, values in known.items() if name in config}
-    return options_type(**given)
+    may_choose: Any = getattr(options_type, "CHOSEN_FROM", {})
+    listed = list(chosen) if isinstance(chosen, list | tuple) else [chosen]
+    strange = [name for name in listed if not isinstance(name, str) or name not in may_choose]
+    if strange:
+        refuse(f"{source}: chosen", strange[0], f"a list of {', '.join(may_choose) or 'nothing'}", remark)
+    return options_type(**given, **({"chosen": tuple(listed)} if listed else {}))
+
+
+def repeated(options: Options, earlier: Any, given: Collection[str]) -> Options:
+    """The options of a repeat, of which `given` were given on the command line and the others come from
+    `earlier`: without what that run chose by options that are others now, and without what has no effect
+    beside those given.
+    """
+    defaults, first = defaults_of(type(options)), vars(options)
+    kept = [name for name in earlier.chosen if name not in given]
+    stale = {
+        name
+        for name in kept
+        if any(first[other] != getattr(earlier, other) for other in earlier.CHOSEN_FROM[name])
+    }
+    chosen = tuple(name for name in kept if name not in stale)
+    fresh: Any = dataclasses.replace(options, chosen=chosen, **{name: defaults[name] for name in stale})  # pyright: ignore
+    idle = set(fresh.without_effect()) - set(given)
+    return dataclasses.replace(fresh, **{name: defaults[name] for name in idle})
 
 
 def _annotations(options_type: type) -> dict[str, tuple[Any, ...]]:

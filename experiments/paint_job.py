@@ -6,13 +6,13 @@ from typing import cast
 
 import jax
 import jax.numpy as jnp
-import numpy as np
 
 from experiments.commands.paint_options import PaintOptions
 from experiments.drawings import built_in_drawing
+from experiments.placing import Placed, placed
+from experiments.resolving import resolved
 from jaxpaint.decisions.thresholds import default_thresholds
 from jaxpaint.errors import InputError
-from jaxpaint.mapping.canvas import Canvas
 from jaxpaint.mapping.raycast import MappingSettings
 from jaxpaint.pictures import (
     Drawing,
@@ -33,10 +33,6 @@ from sims.paint import Brush, PaintGrid, canvas_extent
 from sims.painting.job import CONTROL_PERIOD, SURVEY, Job
 from sims.painting.survey import survey
 from sims.robots import Robot, check_can_paint, load_robot, robot_model
-from sims.scenes.canvases import canvas_for
-from sims.scenes.mesh_walls import read_wall
-from sims.scenes.scene import Scene
-from sims.scenes.walls import make_wall
 from sims.scoring import Wanted, wanted_area
 from sims.sensors import Camera
 from sims.worlds import Fidelity, Kinematic
@@ -68,7 +64,8 @@ def paint_task(options: PaintOptions) -> PaintTask:
     """Reads the inputs and puts the job together. Raises InputError."""
     picture = read_drawing(options.image or built_in_drawing(), _raster(options))
     robot = _robot(options)
-    scene, canvas, notes = _place(options)
+    place = placed(options)
+    scene, canvas = place.scene, place.canvas
     size = (float(canvas.size[0]), float(canvas.size[1]))
     drawing = fit(picture, size)
     fill = _fill(options)
@@ -104,7 +101,13 @@ def paint_task(options: PaintOptions) -> PaintTask:
     grid = PaintGrid.covering(*extent, options.brush_radius / 5)
     outlines = options.fill == "outline"
     wanted = wanted_area(drawing, scene, canvas, extent, options.brush_radius, outlines=outlines)
-    return PaintTask(job, drawing, strokes, grid, wanted, views, notes, _resolved(options, job))
+    chosen = resolved(options, place.found)
+    return PaintTask(job, drawing, strokes, grid, wanted, views, _notes(place), chosen)
+
+
+def _notes(place: Placed) -> tuple[str, ...]:
+    """What to tell the user of the inputs, one sentence each: every note that is known before painting."""
+    return place.notes
 
 
 def _fill(options: PaintOptions) -> FillSettings:
@@ -134,40 +137,3 @@ def _fidelity(options: PaintOptions) -> Fidelity:
     from sims.dynamics import dynamic  # MJX takes a second to import
 
     return dynamic(robot_model(options.robot, brush_site=options.brush_site, camera_site=options.camera_site))
-
-
-def _place(options: PaintOptions) -> tuple[Scene, Canvas, tuple[str, ...]]:
-    """The wall, and the canvas on it."""
-    file = options.captured()
-    if file is None:
-        scene = make_wall(str(options.wall))
-        return scene, canvas_for(scene, options.canvas_size, options.canvas_pose), ()
-    wall = read_wall(
-        file,
-        up=options.up,
-        scale=options.wall_scale,
-        height=options.wall_height,
-        canvas_size=options.canvas_size,
-    )
-    canvas = canvas_for(wall.scene, options.canvas_size, options.canvas_pose, default=wall.canvas)
-    return wall.scene, canvas, tuple(wall.report.lines())
-
-
-def _resolved(options: PaintOptions, job: Job) -> dict:
-    """What was left open, as chosen."""
-    center = np.asarray(job.canvas.center, float)
-    limits = job.thresholds
-    found = {
-        "canvas_size": tuple(float(x) for x in job.canvas.size),
-        "canvas_pose": (*(float(x) for x in center), float(job.canvas.yaw)),
-        "theta": float(limits.halt_travel),
-        "dwell": float(limits.dwell),
-        "release_margin": float(limits.release_margin),
-        "low_speed_scale": float(limits.low_speed_scale),
-        "variance_bounds": (float(limits.variance_lower), float(limits.variance_upper)),
-    }
-    return {
-        name: value
-        for name, value in found.items()
-        if getattr(options, name) is None and np.isfinite(value).all()
-    }

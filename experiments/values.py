@@ -90,9 +90,19 @@ def name_or_file(names: tuple[str, ...], suffixes: tuple[str, ...], later: Itera
     return dataclasses.replace(values, restore=_from_json(names), remark=_why_no_file)
 
 
+def anything() -> Values:
+    """Any one word: for what the program alone sets."""
+    return _words(str, lambda value: True, "anything", "VALUE")
+
+
 def several(*names: str) -> Values:
-    """Any of `names`, each at most once, in a tuple; none at all is allowed too."""
+    """Any of `names`, each at most once, in a tuple; `none` for the empty one."""
     one = choice(*names)
+
+    def from_words(words: list[str]) -> tuple[str, ...] | str:
+        if words == ["none"]:
+            return ()
+        return tuple(words) or "nothing"  # which is not allowed: an option without its values
 
     def hold(value: Any) -> bool:
         known = isinstance(value, tuple) and all(entry in names for entry in value)
@@ -101,10 +111,11 @@ def several(*names: str) -> Values:
     return dataclasses.replace(
         one,
         nargs="*",
-        instance_from_str=tuple,
+        metavar="{" + ",".join((*names, "none")) + "}",
+        instance_from_str=from_words,
         str_from_instance=lambda value: list(value) or ["none"],
         holds=hold,
-        allowed=f"one or more of {', '.join(names)}, each once",
+        allowed=f"none, or one or more of {', '.join(names)}, each once",
     )
 
 

@@ -3,9 +3,9 @@
 import dataclasses
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
-from tyro.conf import FlagCreatePairsOff
+from tyro.conf import Fixed, FlagCreatePairsOff, Suppress
 
 from experiments import values as allowed
 from experiments.options import check
@@ -28,10 +28,19 @@ class RunOptions:
     """Write into --out though an earlier run is there, and replace its files."""
     config: Annotated[Path | None, allowed.file(".json")] = None
     """The summary.json of an earlier run of this command: its options, where not given here."""
+    chosen: Annotated[Suppress[Fixed[tuple[str, ...]]], allowed.anything()] = ()
+    """No option: those of `config` that the earlier run was not given but chose itself."""
+
+    CHOSEN_FROM: ClassVar[Mapping[str, tuple[str, ...]]] = {}
+    """Options that the program chooses where they are left open, and what it chooses each one by."""
 
     def check(self) -> None:
         """Raise InputError for the first option that is not allowed."""
         check(self)
+
+    def without_effect(self) -> dict[str, str]:
+        """Options that do nothing beside the others though they are set, and when they would do something."""
+        return {}
 
 
 @dataclasses.dataclass(frozen=True)

@@ -2,14 +2,16 @@
 
 import dataclasses
 import math
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 from experiments import values as allowed
 from experiments.commands.command import RunOptions
-from experiments.options import refuse
+from experiments.options import defaults_of, option_names, refuse
 
-PICTURES = (".svg", ".png", ".jpg", ".jpeg")
+PIXELS = (".png", ".jpg", ".jpeg")
+PICTURES = (".svg", *PIXELS)
 CAPTURES = (".ply", ".pcd", ".xyz", ".npz", ".stl", ".obj")
 WALLS = ("flat", "corner", "cylinder", "objects", "room")
 AXES = ("x", "y", "z", "+x", "+y", "+z", "-x", "-y", "-z")
@@ -60,7 +62,8 @@ class PaintOptions(RunOptions):
     fill_angle_deg: Annotated[float, allowed.number("DEG")] = 90.0
     """Angle of a fill's rows against the horizontal [degrees]."""
     bleed: Annotated[float, allowed.number("M", at_least=0)] = 0.00125
-    """How far outside the ink of an area the brush's edge goes, so that drift leaves no bare rims [m]."""
+    """How far outside the ink of an area the brush's edge goes, so that drift leaves no bare rims [m];
+    at most 0.4 of the brush's radius."""
     line_art: Annotated[str, allowed.choice("auto", "skeleton", "area")] = "auto"
     """How the ink of a PNG or JPEG is read: as centre-lines, as areas, or as it asks for."""
     threshold: Annotated[str, allowed.choice("auto", "global", "local")] = "auto"
@@ -98,13 +101,47 @@ class PaintOptions(RunOptions):
     low_speed: bool = True
     """Keep the base from creeping by S1-(12)."""
 
+    CHOSEN_FROM: ClassVar[Mapping[str, tuple[str, ...]]] = {
+        "canvas_size": ("wall", "up", "wall_scale", "wall_height"),
+        "canvas_pose": ("wall", "up", "wall_scale", "wall_height", "canvas_size"),
+        "up": ("wall", "wall_scale"),
+        "wall_height": ("wall", "up", "wall_scale", "canvas_size"),
+        "bleed": ("brush_radius",),
+        "theta": ("halting",),
+        "dwell": ("halting",),
+        "release_margin": ("halting",),
+        "low_speed_scale": ("low_speed",),
+        "variance_bounds": (),
+    }
+
     def check(self) -> None:
         """Raise InputError for the first option that is not allowed, alone or beside another."""
         super().check()
         if self.variance_bounds is not None and self.variance_bounds[0] >= self.variance_bounds[1]:
             refuse("--variance-bounds", self.variance_bounds, "LOW below HIGH")
+        names = option_names(type(self))
+        for name, when in self.without_effect().items():
+            refuse(names[name], getattr(self, name), f"only {when}", "no effect")
         if self.export and self.export_world >= self.worlds:
             refuse("--export-world", self.export_world, f"below --worlds ({self.worlds})")
+
+    def without_effect(self) -> dict[str, str]:
+        """Options that do nothing beside the others though they are set, and when they would do something."""
+        pixels = isinstance(self.image, Path) and self.image.suffix.lower() in PIXELS
+        groups = (
+            (self.captured() is not None, "beside a file as --wall", ("up", "wall_scale", "wall_height")),
+            (pixels, "beside a PNG or JPEG as --image", ("line_art", "threshold", "ink", "colours")),
+            (bool(self.export), "beside --export", ("export_world",)),
+            (self.halting, "without --no-halting", ("theta", "dwell", "release_margin")),
+            (self.low_speed, "without --no-low-speed", ("low_speed_scale",)),
+        )
+        defaults = defaults_of(type(self))
+        return {
+            name: when
+            for works, when, names in groups
+            for name in names
+            if not works and getattr(self, name) != defaults[name]
+        }
 
     def captured(self) -> Path | None:
         """The file that is the wall, None for a kind of wall."""

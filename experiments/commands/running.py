@@ -9,7 +9,7 @@ from experiments import tables
 from experiments.commands.command import Command, Outcome, RunOptions
 from experiments.compile_clock import CompileClock
 from experiments.interrupts import held
-from experiments.options import to_config
+from experiments.options import defaults_of, to_config
 from experiments.output import RunFolder, describe_device, describe_versions, write_json
 from experiments.report import render
 
@@ -53,9 +53,17 @@ def _summary(
         "device": describe_device(),
         "compile_s": compile_s,
         "run_s": seconds - compile_s,
+        **({"chosen": chosen_options(options, outcome.resolved)} if options.CHOSEN_FROM else {}),
         **outcome.summary,
         **({"interrupted": True} if outcome.interrupted else {}),
     }
+
+
+def chosen_options(options: RunOptions, resolved: Mapping[str, Any]) -> list[str]:
+    """Options of the config that nobody gave: the program chose them, now or in the run that is repeated."""
+    defaults = defaults_of(type(options))
+    now = {name for name in resolved if getattr(options, name) == defaults[name]}
+    return [name for name in defaults if name in now or name in options.chosen]
 
 
 def _write(folder: RunFolder, summary: Mapping[str, Any], outcome: Outcome) -> None:

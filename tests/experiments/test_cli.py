@@ -80,6 +80,22 @@ BAD = {
     "paint --image text.txt": "text.txt",
     "paint --robot text.txt": "--robot",
     "paint --variance-bounds 0.8 0.3": "--variance-bounds",
+    "paint --wall flat --up=-y": "--up: found '-y' (no effect)",
+    "paint --wall-scale 0.001": "beside a file as --wall",
+    "paint --wall-height 3": "--wall-height",
+    "paint --colours 2": "--colours: found '2' (no effect), allowed: only beside a PNG or JPEG",
+    "paint --image used/a.svg --ink dark": "--ink",
+    "paint --threshold global": "--threshold",
+    "paint --line-art area": "--line-art",
+    "paint --export-world 5": "--export-world",
+    "paint --export": "--export: found 'nothing', allowed: none, or",
+    "paint --export svg": "--export",
+    "paint --export csv --export-world 64": "--export-world",
+    "paint --no-halting --theta 0.3": "--theta",
+    "paint --no-low-speed --low-speed-scale 2": "--low-speed-scale",
+    "paint --chosen theta": "--chosen",
+    "paint --config chosen.json": "chosen: found 'wall'",
+    "paint --config unlisted.json": "chosen: found '7'",
     "paint --config nowhere.json": "nowhere.json",
     "paint --config text.txt": "text.txt",
     "paint --config other.json": "bench",
@@ -111,6 +127,7 @@ def test_bad_usage_is_one_line_and_status_2(line, capsys, tmp_path, pipeline):
     (tmp_path / "text.txt").write_text("words")
     (tmp_path / "used").mkdir()
     (tmp_path / "used" / "mine").write_text("precious")
+    (tmp_path / "used" / "a.svg").touch()
     (tmp_path / "other.json").write_text('{"command": "bench", "config": {}}')
     (tmp_path / "strange.json").write_text('{"command": "paint", "config": {"colour": 1}}')
     (tmp_path / "wrong.json").write_text('{"command": "paint", "config": {"worlds": [1]}}')
@@ -118,6 +135,9 @@ def test_bad_usage_is_one_line_and_status_2(line, capsys, tmp_path, pipeline):
     (tmp_path / "newer.json").write_text(json.dumps(newer))
     (tmp_path / "broken.json").write_text('{"command": "paint", "config": {')
     (tmp_path / "list.json").write_text("[1]")
+    for name, chosen in (("chosen", ["theta", "wall"]), ("unlisted", 7)):
+        summary = {"command": "paint", "config": {}, "chosen": chosen}
+        (tmp_path / f"{name}.json").write_text(json.dumps(summary))
     (tmp_path / "nameless.json").write_text('{"command": "reproduce", "config": {}}')
     before = sorted(tmp_path.rglob("*"))
     assert main(line.split()) == 2
@@ -190,8 +210,21 @@ def test_the_summary_has_the_keys_of_the_contract(tmp_path, pipeline):
     assert "files" in summary
 
 
-def test_config_repeats_a_run_with_what_is_given_on_top(pipeline):
-    first_line = "paint --worlds 5 --speed 0.05 --up -y --canvas-pose 0 -1 1.2 0.1 --seed 9 --out a"
+def paint(line: str) -> int:
+    return main(["paint", *line.split()])
+
+
+@pytest.fixture
+def capture(tmp_path) -> str:
+    """A captured wall that nobody reads."""
+    (tmp_path / "wall.pcd").touch()
+    return "--wall wall.pcd"
+
+
+def test_config_repeats_a_run_with_what_is_given_on_top(pipeline, capture):
+    first_line = (
+        f"paint --worlds 5 --speed 0.05 {capture} --up -y --canvas-pose 0 -1 1.2 0.1 --seed 9 --out a"
+    )
     second_line = "paint --config a/summary.json --speed 0.04 --out b"
     assert main(first_line.split()) == 0
     assert main(second_line.split()) == 0
@@ -205,11 +238,56 @@ def test_config_repeats_a_run_with_what_is_given_on_top(pipeline):
     assert first.speed == 0.05
 
 
+def test_what_the_program_chose_is_dropped_with_what_it_was_chosen_by(pipeline, tmp_path, capture):
+    """The pipeline chose canvas_size and theta."""
+    assert paint("--wall corner --dwell 0.7 --out a") == 0
+    assert json.loads((tmp_path / "a" / "summary.json").read_text())["chosen"] == ["canvas_size", "theta"]
+    again = "--config a/summary.json"
+    both = ("canvas_size", "theta")
+    for line, size, theta, chosen in (
+        ("", (2.4, 0.8), 0.4, both),
+        ("--wall corner", (2.4, 0.8), 0.4, both),
+        ("--wall flat", None, 0.4, ("theta",)),
+        ("--wall flat --canvas-size 1 2", (1.0, 2.0), 0.4, ("theta",)),
+        ("--halting --theta 0.4", (2.4, 0.8), 0.4, ("canvas_size",)),
+    ):
+        assert paint(f"{again} {line}") == 0
+        options = pipeline.options[-1]
+        assert (options.canvas_size, options.theta, options.chosen) == (size, theta, chosen), line
+        assert options.dwell == 0.7, "given to the first run"
+    assert paint(f"{again} {capture} --no-halting") == 0
+    options = pipeline.options[-1]
+    assert (options.canvas_size, options.theta, options.dwell, options.chosen) == (None, None, None, ())
+
+
+def test_a_repeat_on_another_wall_drops_what_only_a_captured_one_needs(pipeline, capture, tmp_path):
+    (tmp_path / "photo.png").touch()
+    given = f"{capture} --up -y --wall-scale 0.001 --wall-height 0.5 --image photo.png --colours 2"
+    assert main(f"paint {given} --export csv --export-world 3 --out a".split()) == 0
+    assert paint("--config a/summary.json --wall flat --export none --out b") == 0
+    options = pipeline.options[-1]
+    assert (options.up, options.wall_scale, options.wall_height) == (None, 1.0, None)
+    assert (options.export, options.export_world, options.colours) == ((), 0, 2)
+    (tmp_path / "line.svg").touch()
+    assert paint("--config a/summary.json --image line.svg --out c") == 0
+    options = pipeline.options[-1]
+    assert (options.up, options.colours, options.export_world) == ("-y", 0, 3)
+    assert paint("--config a/summary.json --wall flat --up -y") == 2
+
+
+def test_a_repeat_of_a_repeat_still_knows_what_was_chosen(pipeline, tmp_path):
+    assert paint("--out a") == 0
+    assert paint("--config a/summary.json --out b") == 0
+    first, second = (json.loads((tmp_path / name / "summary.json").read_text()) for name in "ab")
+    assert first["chosen"] == second["chosen"] == ["canvas_size", "theta"]
+    assert first["config"] == second["config"]
+
+
 @pytest.mark.parametrize(
     ("words", "up"), [(["--up=-y"], "-y"), (["--up", "-y"], "-y"), (["--up", "+z"], "+z")]
 )
-def test_an_axis_may_start_with_a_sign(words, up, pipeline):
-    assert main(["paint", *words]) == 0
+def test_an_axis_may_start_with_a_sign(words, up, pipeline, capture):
+    assert main(["paint", *capture.split(), *words]) == 0
     assert pipeline.options[0].up == up
 
 

@@ -102,7 +102,12 @@ class _Several(RunOptions):
 
 @pytest.mark.parametrize(
     ("words", "export"),
-    [("", ()), ("--export csv", ("csv",)), ("--export json csv --seed 3", ("json", "csv"))],
+    [
+        ("", ()),
+        ("--export csv", ("csv",)),
+        ("--export json csv --seed 3", ("json", "csv")),
+        ("--export none", ()),
+    ],
 )
 def test_an_option_may_have_several_values(words, export):
     options = parse(Command("made-up", _Several, None), words.split())  # pyright: ignore
