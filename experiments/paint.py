@@ -46,16 +46,17 @@ def run(options: PaintOptions, progress: Callable[..., AbstractContextManager[An
         "control_steps": int(sum(steps_of(m).sum() for m in missions)),
         "steps_per_s": float(sum(steps_of(m).sum() for m in missions) / sum(m.executed_s for m in missions)),
     }
-    plan, why = planned(task.job, missions, options.export_world) if options.export else (None, "")
+    plan, refused = planned(task.job, missions, options.export_world) if options.export else (None, "")
     return PaintOutcome(
         summary=summary,
         worlds=_columns(rows, missions, options),
         trajectories=trajectories(task, missions[0], rows),
         report=report_data(task, missions[0], rows),
         resolved=task.resolved,
-        notes=(*task.notes, *_dropped(task, missions), *([why] if why else [])),
+        notes=(*task.notes, *_dropped(task, missions), *([refused] if refused else [])),
         interrupted=len(rows) < options.worlds,
         plan=plan,
+        refused=refused,
         preview=stroke_preview(task.strokes, task.drawing, radius=options.brush_radius),
     )
 

@@ -13,7 +13,7 @@ from experiments.tables import Table, in_words, quantity
 
 
 def execute(options: PaintOptions, folder: RunFolder) -> Outcome:
-    """Run the pipeline and write runs.parquet and trajectories.npz."""
+    """Run the pipeline and write runs.parquet, trajectories.npz, strokes.png and what is exported."""
     from experiments.exports import export
     from experiments.paint import run
     from experiments.report.paint import build_page
@@ -23,10 +23,13 @@ def execute(options: PaintOptions, folder: RunFolder) -> Outcome:
     write_trajectories(folder.path("trajectories.npz"), found.trajectories, TRAJECTORIES)
     if found.preview:
         folder.path("strokes.png").write_bytes(found.preview)
-    if found.plan is not None:
-        export(found.plan, folder.path(""), options.export)
+    written = [] if found.plan is None else export(found.plan, folder.path(""), options.export)
     return Outcome(
-        summary=found.summary,
+        summary={
+            **found.summary,
+            "notes": list(found.notes),
+            "exported": [path.name for path in written],
+        },
         tables=(result_table(options, found),),
         report=lambda summary: build_page(found.report, summary, found.worlds, found.notes),
         resolved=found.resolved,

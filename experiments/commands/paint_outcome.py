@@ -55,9 +55,9 @@ class PaintOutcome:
     trajectories: arrays named in `TRAJECTORIES`, of a few worlds.
     resolved: options left open (None), as they were chosen, by field name of PaintOptions; a repeat takes
     them as given.
-    notes: guesses to tell the user, one sentence each.
+    notes: what to tell the user, one sentence each: guesses, what was left out, what was not exported.
     interrupted: a signal broke the run off, and these are the worlds that were finished.
-    plan: the planned joint trajectory, where it was asked for.
+    plan: the planned joint trajectory, where it was asked for. refused: why there is none though it was.
     preview: PNG of the strokes in their order.
     """
 
@@ -69,6 +69,7 @@ class PaintOutcome:
     notes: tuple[str, ...] = ()
     interrupted: bool = False
     plan: "JointTrajectory | None" = None
+    refused: str = ""
     preview: bytes = b""
 
     def __post_init__(self) -> None:
@@ -83,9 +84,9 @@ class PaintOutcome:
 
     @property
     def failure(self) -> str | None:
-        """Why nothing was painted, None where at least one world was."""
+        """Why nothing was painted, or not exported though it was asked for; None where all went well."""
         status = self.summary["status"]
         if status.get("ok", 0):
-            return None
+            return self.refused or None
         counts = ", ".join(f"{count} {name}" for name, count in status.items() if count)
         return f"no world was painted: {counts}"

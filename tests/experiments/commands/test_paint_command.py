@@ -1,16 +1,23 @@
 """What the pipeline hands back is complete."""
 
 import dataclasses
+import json
+import sys
+import types
 
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
+from experiments.cli import main
 from experiments.commands.paint import result_table
 from experiments.commands.paint_options import PaintOptions
 from experiments.output import write_parquet
+from experiments.report import Page
+from experiments.report import paint as report
 from experiments.report.scores import SCORES, score_table
 from experiments.tables import as_text
+from sims.painting.joint_plan import JointTrajectory
 
 
 @pytest.mark.parametrize("key", ["tracking_rmse", "steps_per_s", "modes"])
@@ -54,3 +61,44 @@ def test_scores_over_worlds_leave_out_those_without(made_up):
     assert worst == pytest.approx(1e3 * np.nanmax(values))
     coverage = next(row for row in table.rows if row[0] == "coverage")
     assert coverage[-1] == pytest.approx(100 * np.nanmin(made_up.worlds["coverage"]))
+
+
+STILL = np.zeros((2, 1))
+PLAN = JointTrajectory(
+    ("base_x",), ("m",), np.array([0.0, 1.0]), STILL, STILL, STILL, np.array([True, False])
+)
+
+
+@pytest.fixture
+def painted(monkeypatch, tmp_path, made_up):
+    """Runs `jaxpaint paint` with a pipeline that found this; the exit status and the summary."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(report, "build_page", lambda *_: Page("jaxpaint paint", "painted"))
+
+    def paint(*words: str, **found):
+        outcome = dataclasses.replace(made_up, **found)
+        module = types.SimpleNamespace(run=lambda *_: outcome)
+        monkeypatch.setitem(sys.modules, "experiments.paint", module)
+        status = main(["paint", "--out", "here", "--overwrite", *words])
+        return status, json.loads((tmp_path / "here" / "summary.json").read_text())
+
+    return paint
+
+
+def test_notes_and_exports_are_in_the_summary(painted):
+    status, summary = painted("--export", "csv", "ros2-json", plan=PLAN)
+    assert status == 0
+    assert summary["notes"] == ["Up is taken to be -y."]
+    assert summary["exported"] == ["trajectory.csv", "trajectory.json"]
+    assert set(summary["exported"]) < set(summary["files"])
+
+
+def test_a_refused_export_is_seen_by_a_script(painted, capsys):
+    why = "no trajectory exported: world 0 is unreachable"
+    status, summary = painted("--export", "csv", refused=why, notes=("up is guessed", why))
+    assert status == 1
+    assert capsys.readouterr().err == f"jaxpaint paint: failed: {why}\n"
+    assert summary["notes"] == ["up is guessed", why]
+    assert summary["exported"] == []
+    status, summary = painted()
+    assert (status, summary["exported"]) == (0, [])
