@@ -13,6 +13,7 @@ from typing import Annotated, Any, NoReturn, Union
 
 from experiments import process
 from experiments.commands import MODULES, Command, find
+from experiments.interrupts import INTERRUPTED
 from experiments.options import from_config, option_names, refuse, repeated, required, values_of
 from experiments.output import describe_versions, read_summary
 from jaxpaint.errors import InputError
@@ -20,8 +21,6 @@ from jaxpaint.errors import InputError
 PROGRAM = "jaxpaint"
 ABOUT = "Simulate and optimise wall-painting mobile manipulators, many worlds at once."
 TRACEBACK_VARIABLE = "JAXPAINT_TRACEBACK"
-INTERRUPTED = 130
-"""Exit status after Ctrl-C, by the shells' convention of 128 plus the signal's number."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:

@@ -7,6 +7,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
+INTERRUPTED = 130
+"""Exit status after Ctrl-C, by the shells' convention of 128 plus the signal's number."""
 
 
 class Interrupted(KeyboardInterrupt):

@@ -27,7 +27,7 @@ class PaintOptions(RunOptions):
     wall: Annotated[str | Path, allowed.name_or_file(WALLS, CAPTURES)] = "flat"
     """Kind of wall, or a captured cloud or a mesh as the wall."""
     worlds: Annotated[int, allowed.whole("N", at_least=1)] = 64
-    """Randomised worlds, all at once."""
+    """Randomised worlds, in groups of up to 32 for each core, or 256 in all: docs/exports.md."""
     fidelity: Annotated[str, allowed.choice("kinematic", "dynamic", later=("wheeled",))] = "kinematic"
     """How the robot moves: commanded velocities within limits (kinematic), or by servos (dynamic)."""
     refine: Annotated[str, allowed.choice("none", later=("agn",))] = "none"

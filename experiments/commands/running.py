@@ -8,7 +8,7 @@ from typing import Any
 from experiments import tables
 from experiments.commands.command import Command, Outcome, RunOptions
 from experiments.compile_clock import CompileClock
-from experiments.interrupts import held
+from experiments.interrupts import INTERRUPTED, held
 from experiments.options import defaults_of, to_config
 from experiments.output import RunFolder, describe_device, describe_versions, write_json
 from experiments.report import render
@@ -21,17 +21,24 @@ def run(command: Command, options: RunOptions) -> int:
     work kept is written like the rest, and the exit status is the signal's.
     """
     options.check()
-    with held() as interrupts:
-        with RunFolder(command.name, options.out, options.overwrite) as folder:
-            start = time.perf_counter()
-            with CompileClock() as clock:
-                outcome = command.execute(options, folder)
-            interrupts.keep()
-            seconds = time.perf_counter() - start
-            summary = _summary(command, options, outcome, clock.seconds, seconds)
-            _write(folder, summary, outcome)
-        stopped = interrupts.status
-    _show(command, folder, outcome)
+    saved, stopped = False, None
+    try:
+        with held() as interrupts:
+            with RunFolder(command.name, options.out, options.overwrite) as folder:
+                start = time.perf_counter()
+                with CompileClock() as clock:
+                    outcome = command.execute(options, folder)
+                interrupts.keep()
+                seconds = time.perf_counter() - start
+                summary = _summary(command, options, outcome, clock.seconds, seconds)
+                _write(folder, summary, outcome)
+            saved, stopped = True, interrupts.status
+        _show(command, folder, outcome)
+    except KeyboardInterrupt as signal:
+        if not saved:
+            raise
+        # Nothing is lost any more: who stops the printing is told the same as who came before it.
+        stopped = stopped or getattr(signal, "status", INTERRUPTED)
     if stopped is not None:
         _say(
             command,

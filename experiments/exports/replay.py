@@ -1,13 +1,14 @@
 """A planned trajectory replayed in MuJoCo: does a robot with position servos paint where the plan says?
 
-python -m experiments.exports.replay runs/paint-1/trajectory.csv [robot.xml]
+python -m experiments.exports.replay runs/paint-1/trajectory.csv [ROBOT] [--brush-site NAME]
 """
 
+import argparse
 import dataclasses
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
 import mujoco
 import numpy as np
@@ -15,7 +16,7 @@ from jaxtyping import Bool, Float
 
 from experiments.exports.table import read_table
 from jaxpaint.errors import InputError
-from sims.robots.load import REFERENCE
+from sims.robots.read import BRUSH, REFERENCE, robot_spec
 
 if TYPE_CHECKING:
     from sims.painting.joint_plan import JointTrajectory
@@ -40,17 +41,18 @@ class Replay:
         return np.linalg.norm(self.reached - self.planned, axis=1)[self.pen]
 
 
-def replay(plan: "JointTrajectory", robot: Path | None = None) -> Replay:
-    """Simulates the robot's MJCF with a position servo on every planned joint, gravity on.
+def replay(plan: "JointTrajectory", robot: Path | None = None, brush_site: str = BRUSH) -> Replay:
+    """Simulates the robot of an MJCF or URDF with a position servo on every planned joint, gravity on.
 
     The servos are told position and velocity, as a joint trajectory controller tells them, and are bound to
-    the forces of the actuators that they replace. Raises InputError for a robot without the plan's joints.
+    the forces of the actuators that they replace. Raises InputError for a robot without the plan's
+    joints or without the brush.
     """
-    model = servo_model(plan.names, robot)
+    model = servo_model(plan.names, robot, brush_site)
     data, ghost = mujoco.MjData(model), mujoco.MjData(model)
     place = np.array([model.joint(name).qposadr[0] for name in plan.names])
     dof = np.array([model.joint(name).dofadr[0] for name in plan.names])
-    brush = model.site("brush").id
+    brush = model.site(BRUSH).id
     data.qpos[place] = plan.position[0]
     lead = model.actuator_gainprm[:, 0], -model.actuator_biasprm[:, 2]
     time = np.arange(plan.time[0], plan.time[-1], STEP)
@@ -70,15 +72,16 @@ def replay(plan: "JointTrajectory", robot: Path | None = None) -> Replay:
     return Replay(time, planned, reached, pen)
 
 
-def servo_model(names: Sequence[str], robot: Path | None = None) -> mujoco.MjModel:
+def servo_model(names: Sequence[str], robot: Path | None = None, brush_site: str = BRUSH) -> mujoco.MjModel:
     """The robot's model with its own actuators replaced by a position servo on each of the joints `names`."""
-    spec = mujoco.MjSpec.from_file(str(robot or REFERENCE))
+    spec = robot_spec(robot, brush_site=brush_site)
     own = spec.compile()
+    shown = robot or REFERENCE.name
     missing = [name for name in names if mujoco.mj_name2id(own, mujoco.mjtObj.mjOBJ_JOINT, name) < 0]
     if missing:
-        raise InputError(
-            f"robot {robot or REFERENCE.name}: found no joint {missing[0]!r}, allowed: the plan's robot"
-        )
+        raise InputError(f"robot {shown}: found no joint {missing[0]!r}, allowed: the plan's robot")
+    if mujoco.mj_name2id(own, mujoco.mjtObj.mjOBJ_SITE, BRUSH) < 0:
+        raise InputError(f"robot {shown}: found no site {BRUSH!r}, allowed: the name by --brush-site")
     inertia, forces = _inertia(own), _force_ranges(own)
     for actuator in list(spec.actuators):
         spec.delete(actuator)
@@ -122,11 +125,31 @@ def _between(plan: "JointTrajectory", time: np.ndarray) -> tuple[np.ndarray, np.
     return curve(time), curve.derivative()(time)
 
 
+class _Parser(argparse.ArgumentParser):
+    """Bad usage is an InputError."""
+
+    def error(self, message: str) -> NoReturn:
+        raise InputError(f"{message}; usage: {self.format_usage().removeprefix('usage: ')}")
+
+
 def main(words: Sequence[str]) -> int:
-    """Replays a file and prints the error."""
-    plan = read_table(Path(words[0]))
-    found = replay(plan, Path(words[1]) if len(words) > 1 else None)
-    error = found.error * 1e3
+    """Replays a file and prints the error; bad input is one line and exit status 2."""
+    parser = _Parser(
+        prog="python -m experiments.exports.replay",
+        description="Replays a planned trajectory in MuJoCo and prints how far the brush is off the plan.",
+        allow_abbrev=False,
+    )
+    parser.add_argument("trajectory", type=Path, help="a trajectory.csv of 'jaxpaint paint --export csv'")
+    parser.add_argument("robot", type=Path, nargs="?", help="its MJCF or URDF (the reference robot)")
+    parser.add_argument("--brush-site", default=BRUSH, metavar="NAME", help="as in the run (brush)")
+    try:
+        given = parser.parse_args(words)
+        error = replay(read_table(given.trajectory), given.robot, given.brush_site).error * 1e3
+        if not len(error):
+            raise InputError(f"{given.trajectory}: found no sample with the pen down, allowed: one or more")
+    except InputError as wrong:
+        print(f"replay: {' '.join(str(wrong).split())}", file=sys.stderr)
+        return 2
     print(f"brush off the plan, pen down: mean {error.mean():.3f} mm, largest {error.max():.3f} mm")
     return 0
 

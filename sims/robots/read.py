@@ -33,13 +33,22 @@ def robot_model(
     brush_site, camera_site: names of a site, or of a body or link whose frame is meant; in the model they are
     the sites `brush` and `camera`. Raises InputError.
     """
+    return _read(path, {BRUSH: brush_site, CAMERA: camera_site, LIDAR: LIDAR})[1]
+
+
+def robot_spec(path: Path | str | None = None, *, brush_site: str = BRUSH) -> mujoco.MjSpec:
+    """The same before it is compiled, for who changes something in it; its sites but the brush are the file's."""
+    return _read(path, {BRUSH: brush_site})[0]
+
+
+def _read(path: Path | str | None, sites: dict[str, str]) -> tuple[mujoco.MjSpec, mujoco.MjModel]:
     path = REFERENCE if path is None else Path(path)
     try:
         with _no_log():
             spec = _spec(path)
-            for site, name in {BRUSH: brush_site, CAMERA: camera_site, LIDAR: LIDAR}.items():
+            for site, name in sites.items():
                 _name_site(spec, site, name)
-            return _checked(spec)
+            return spec, _checked(spec)
     except InputError as error:
         raise InputError(f"robot {path}: {error}") from error
 

@@ -36,13 +36,12 @@ CLOCKED = ("compile_s", "run_s", "steps_per_s")
 
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory):
-    """A short run with much that is chosen and something that is switched off, and its repetition."""
+    """A short run with something that is switched off, and its repetition."""
     folder = tmp_path_factory.mktemp("runs")
     (folder / "two.svg").write_text(PICTURE)
     (folder / "plate.obj").write_text(PLATE)
     first = (
-        f"--image {folder}/two.svg --wall {folder}/plate.obj --canvas-size 0.5 0.5 --no-low-speed "
-        f"--export csv --worlds 4 --seed 11 --out {folder}/a"
+        f"--image {folder}/two.svg --canvas-size 0.5 0.5 --no-low-speed --worlds 4 --seed 11 --out {folder}/a"
     )
     again = f"--config {folder}/a/summary.json --out {folder}/b"
     assert main(["paint", *first.split()]) == 0

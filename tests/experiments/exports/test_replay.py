@@ -1,6 +1,7 @@
 """A simulated robot with position servos follows the plan, or shows that it cannot."""
 
 import dataclasses
+from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -10,6 +11,9 @@ from experiments.exports import replay as module
 from experiments.exports import write_table
 from experiments.exports.replay import main, replay, servo_model
 from jaxpaint.errors import InputError
+from sims.painting.joint_plan import JointTrajectory, smooth_trajectory
+
+URDF = Path(__file__).resolve().parents[2] / "robots" / "big_arm.urdf"
 
 
 def test_the_brush_follows_within_a_millimetre(waving):
@@ -54,3 +58,44 @@ def test_the_script_prints_the_error(waving, tmp_path, capsys):
     write_table(waving, tmp_path / "trajectory.csv")
     assert main([str(tmp_path / "trajectory.csv")]) == 0
     assert "mm" in capsys.readouterr().out
+
+
+@pytest.fixture(scope="module")
+def reaching() -> JointTrajectory:
+    """Two seconds of the test arm, whose URDF has neither base joints nor actuators nor a brush of that name."""
+    names = ("base_x", "base_y", "base_yaw", "shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint")
+    time = np.linspace(0, 2, 41)
+    reach = np.array([0.1, 0.1, 0.1, 0.2, -0.2, 0.2])
+    position = np.array([0, 0, 0, 0, -1.2, 1.8]) + reach * (np.sin(np.pi * time / 2) ** 4)[:, None]
+    return smooth_trajectory(names, ("m", "m", *["rad"] * 4), time, position, time >= 0.5)
+
+
+def test_a_urdf_is_replayed_by_the_link_that_is_its_brush(reaching, tmp_path, capsys):
+    write_table(reaching, tmp_path / "trajectory.csv")
+    words = [str(tmp_path / "trajectory.csv"), str(URDF), "--brush-site", "tool0"]
+    assert main(words) == 0
+    largest = float(capsys.readouterr().out.split("largest")[1].split()[0])
+    assert largest < 3.0
+
+
+def test_bad_input_is_one_line_and_status_2(reaching, waving, tmp_path, capsys):
+    write_table(reaching, tmp_path / "urdf.csv")
+    write_table(waving, tmp_path / "reference.csv")
+    up = dataclasses.replace(waving, pen=np.zeros_like(waving.pen))
+    write_table(up, tmp_path / "up.csv")
+    here = str(tmp_path)
+    for words, said in (
+        ([], "usage"),
+        ([f"{here}/nowhere.csv"], "No such file"),
+        ([f"{here}/urdf.csv"], "'shoulder_pan_joint'"),
+        ([f"{here}/urdf.csv", str(URDF)], "--brush-site"),
+        ([f"{here}/reference.csv", "nowhere.xml"], "no such file"),
+        ([f"{here}/reference.csv", "--brush-site", "tip"], "'tip'"),
+        ([f"{here}/reference.csv", "--brush", "brush"], "--brush"),
+        ([f"{here}/up.csv"], "pen down"),
+    ):
+        assert main(words) == 2
+        shown = capsys.readouterr()
+        assert shown.out == ""
+        assert len(shown.err.splitlines()) == 1
+        assert said in shown.err
