@@ -91,18 +91,32 @@ def read_run(path: Path, option: str) -> Run:
     try:
         if file.stat().st_size > LARGEST_SUMMARY:
             raise refuse("too large")
-        summary = json.loads(file.read_text(encoding="utf-8"))
+        summary = json.loads(
+            file.read_text(encoding="utf-8"), parse_float=_finite, parse_int=_whole, parse_constant=_finite
+        )
+    except _NoNumber as error:
+        raise refuse(str(error)) from error
     except (OSError, ValueError, RecursionError) as error:
         cause = (isinstance(error, OSError) and error.strerror) or "not JSON"
         raise refuse(cause) from error
     known = isinstance(summary, dict) and isinstance(summary.get("config"), dict)
     if not known or not isinstance(summary.get("command"), str):
         raise refuse("not the summary of a run")
-    return Run(file.parent.absolute(), summary, _read_worlds(file.parent / WORLDS, option))
+    worlds = _read_worlds(file.parent / WORLDS, option)
+    rows, count = len(next(iter(worlds.values()))) if worlds else None, summary.get("worlds")
+    if rows is not None and isinstance(count, int) and rows != count:
+        raise InputError(
+            f"{option}: found {rows} rows in {file.parent / WORLDS}, allowed: {count}, as {SUMMARY} says"
+        )
+    return Run(file.parent.absolute(), summary, worlds)
 
 
 def paired(a: Run, b: Run) -> bool:
-    """Whether world i of both had the same random numbers: the same seed and the same worlds."""
+    """Whether world i of both had the same random numbers: the same seed and the same worlds.
+
+    So it may be another wall or picture: the robot starts with the same errors, slips and sees with the same
+    noise, and resampling worlds in pairs is right whether or not that makes their scores alike.
+    """
     if a.worlds is None or b.worlds is None or a.summary.get("seed") != b.summary.get("seed"):
         return False
     return np.array_equal(a.worlds.get("world", np.zeros(0)), b.worlds.get("world", np.ones(0)))
@@ -196,6 +210,24 @@ def _column(run: Run, statistic: _Statistic) -> np.ndarray | None:
     return np.where(lost, statistic.missing, values)
 
 
+class _NoNumber(ValueError):
+    """JSON that Python reads and that is no number to compute with."""
+
+
+def _finite(word: str) -> float:
+    if not math.isfinite(float(word)):
+        raise _NoNumber(f"the number {word}")
+    return float(word)
+
+
+def _whole(word: str) -> int:
+    try:
+        _finite(word)
+    except _NoNumber:
+        raise _NoNumber(f"a number of {len(word)} digits") from None
+    return int(word)
+
+
 def _read_worlds(path: Path, option: str) -> dict[str, np.ndarray] | None:
     """Columns of runs.parquet, numbers as float64 with NaN for null; None where there is no file."""
     if not path.is_file():
@@ -203,14 +235,24 @@ def _read_worlds(path: Path, option: str) -> dict[str, np.ndarray] | None:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
+    def refuse(cause: str) -> InputError:
+        return InputError(f"{option}: found {path} ({cause}), allowed: the runs.parquet of the run")
+
     try:
         table = pq.read_table(path)
+        columns = {
+            name: table[name].to_numpy().astype(object if pa.types.is_string(table[name].type) else float)
+            for name in table.column_names
+            if pa.types.is_string(table[name].type) or pa.types.is_primitive(table[name].type)
+        }
     except (OSError, pa.ArrowException) as error:
-        raise InputError(
-            f"{option}: found {path} (not Parquet), allowed: the runs.parquet of the run"
-        ) from error
-    return {
-        name: table[name].to_numpy().astype(object if pa.types.is_string(table[name].type) else float)
-        for name in table.column_names
-        if pa.types.is_string(table[name].type) or pa.types.is_primitive(table[name].type)
-    }
+        raise refuse("not Parquet") from error
+    except (TypeError, ValueError) as error:
+        raise refuse("a column that is neither numbers nor text") from error
+    figures_of = {"world", *(statistic.column for statistic in STATISTICS.values())}
+    for name, column in columns.items():
+        if name in figures_of and column.dtype == object:
+            raise refuse(f"text in the column {name}")
+        if name == "status" and column.dtype != object:
+            raise refuse("numbers in the column status")
+    return columns

@@ -27,6 +27,32 @@ CHUNK = 32
 # Worlds that run at once at most: what memory likes.
 MOST = 256
 
+COLUMNS = {
+    "status": "status",
+    "tracking_rmse": "rmse_total",
+    "tracking_rmse_x": "rmse_x",
+    "tracking_rmse_y": "rmse_y",
+    "tracking_rmse_z": "rmse_z",
+    "tracking_p95": "error_p95",
+    "tracking_max": "error_max",
+    "normal_error_deg": "normal_error_mean_deg",
+    "normal_error_deg_p95": "normal_error_p95_deg",
+    "coverage": "coverage",
+    "excess": "excess",
+    "stroke_error": "stroke_error_mean",
+    "stroke_error_p95": "stroke_error_p95",
+    "thickness_cv": "thickness_cv",
+    "gap_length": "gap_length",
+    "odometry_drift": "odometry_drift_mean",
+    "odometry_drift_max": "odometry_drift_max",
+    "base_travel": "base_travel",
+    "halts": "halts",
+    "duration": "duration",
+    "chamfer_l1": "chamfer_l1_raw",
+    "chamfer_l2": "chamfer_l2_raw",
+}
+"""Columns of runs.parquet that are scores, by the names of `sims.scoring.WorldScore`."""
+
 
 def run(options: PaintOptions, progress: Callable[..., AbstractContextManager[Any]]) -> PaintOutcome:
     """Scan, map, decide, move, paint and score in all worlds. Raises InputError for bad input."""
@@ -142,31 +168,7 @@ def _modes(missions: list[Mission]) -> dict[str, float]:
 
 def _columns(rows: list[WorldScore], missions: list[Mission], options: PaintOptions) -> dict[str, np.ndarray]:
     """runs.parquet: one entry a world."""
-    names = {
-        "status": "status",
-        "tracking_rmse": "rmse_total",
-        "tracking_rmse_x": "rmse_x",
-        "tracking_rmse_y": "rmse_y",
-        "tracking_rmse_z": "rmse_z",
-        "tracking_p95": "error_p95",
-        "tracking_max": "error_max",
-        "normal_error_deg": "normal_error_mean_deg",
-        "normal_error_deg_p95": "normal_error_p95_deg",
-        "coverage": "coverage",
-        "excess": "excess",
-        "stroke_error": "stroke_error_mean",
-        "stroke_error_p95": "stroke_error_p95",
-        "thickness_cv": "thickness_cv",
-        "gap_length": "gap_length",
-        "odometry_drift": "odometry_drift_mean",
-        "odometry_drift_max": "odometry_drift_max",
-        "base_travel": "base_travel",
-        "halts": "halts",
-        "duration": "duration",
-        "chamfer_l1": "chamfer_l1_raw",
-        "chamfer_l2": "chamfer_l2_raw",
-    }
-    columns = {column: np.array([getattr(row, name) for row in rows]) for column, name in names.items()}
+    columns = {column: np.array([getattr(row, name) for row in rows]) for column, name in COLUMNS.items()}
     count = len(rows)
     steps = np.concatenate([steps_of(m) for m in missions])
     diverged = np.concatenate([np.asarray(m.driven.state.diverged_at) for m in missions])

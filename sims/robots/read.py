@@ -37,7 +37,7 @@ def robot_model(
 
 
 def robot_spec(path: Path | str | None = None, *, brush_site: str = BRUSH) -> mujoco.MjSpec:
-    """The same before it is compiled, for who changes something in it; its sites but the brush are the file's."""
+    """The same before it is compiled, to change something in it; of the sites only the brush is named."""
     return _read(path, {BRUSH: brush_site})[0]
 
 

@@ -1,14 +1,20 @@
 """Two runs side by side: what differs, and how sure that is."""
 
+import dataclasses
 import json
+import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from experiments import comparison
 from experiments.comparison import STATISTICS, compare, option_differences, paired, read_run
 from experiments.output import write_json, write_parquet
+from experiments.paint import COLUMNS
 from jaxpaint.errors import InputError
+from sims.scoring import WorldScore, summarise
 
 WORLDS = 64
 
@@ -117,11 +123,26 @@ def test_rows_of_a_table_go_by_their_names(tmp_path):
     ]
 
 
-def test_every_statistic_stands_in_the_report_or_the_worlds(made_up):
-    from experiments.report.scores import SCORES
-
-    columns = {score.column for score in SCORES} | set(made_up.worlds) | {"odometry_drift_max"}
-    assert {statistic.column for statistic in STATISTICS.values()} <= columns
+def test_every_statistic_is_what_the_summary_says_of_its_column():
+    """Of worlds that are fine, failed and without figures, as the pipeline writes them."""
+    random = np.random.default_rng(2)
+    names = [field.name for field in dataclasses.fields(WorldScore)]
+    for statuses in (["ok"] * 7, ["ok"] * 5 + ["diverged", "unreachable"], ["ok", "diverged", "off-track"]):
+        rows = []
+        for k, status in enumerate(statuses):
+            values = dict(zip(names, random.uniform(0.1, 0.9, len(names)), strict=True))
+            values |= {"status": status, "halts": k, "control_steps": 10 * k}
+            if k == len(statuses) - 1:
+                values |= {"thickness_cv": math.nan, "coverage": math.nan, "rmse_x": math.nan}
+            rows.append(WorldScore(**values))
+        columns = {column: np.array([getattr(row, name) for row in rows]) for column, name in COLUMNS.items()}
+        said = dict(comparison.figures(summarise(rows)))
+        run = comparison.Run(Path(), {}, columns)
+        for name, statistic in STATISTICS.items():
+            column = comparison._column(run, statistic)
+            assert column is not None, name
+            middle = float((np.mean if statistic.mean else np.median)(column))
+            assert (middle if math.isfinite(middle) else None) == said[name], name
 
 
 def test_what_is_no_run_is_refused(tmp_path):
@@ -132,3 +153,42 @@ def test_what_is_no_run_is_refused(tmp_path):
     (folder / "runs.parquet").write_text("words")
     with pytest.raises(InputError, match=r"^A: .*not Parquet"):
         read_run(folder, "A")
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (
+            lambda text: text.replace('"worlds": 64', '"worlds": 3'),
+            "64 rows in .*allowed: 3, as summary.json says",
+        ),
+        (lambda text: text.replace('"compile_s": 1.5', '"compile_s": NaN'), "the number NaN"),
+        (lambda text: text.replace('"compile_s": 1.5', '"compile_s": -Infinity'), "the number -Infinity"),
+        (lambda text: text.replace('"compile_s": 1.5', '"compile_s": 1e999'), "the number 1e999"),
+        (lambda text: text.replace('"compile_s": 1.5', '"compile_s": ' + "9" * 400), "of 400 digits"),
+        (lambda text: text.replace('"compile_s": 1.5', '"compile_s": ' + "9" * 5000), "of 5000 digits"),
+    ],
+)
+def test_a_damaged_summary_is_refused(change, said, tmp_path):
+    file = write_run(tmp_path / "a") / "summary.json"
+    file.write_text(change(file.read_text()))
+    with pytest.raises(InputError, match=f"^A: found .*{said}"):
+        read_run(tmp_path / "a", "A")
+
+
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [("coverage", ["much"] * WORLDS), ("status", np.arange(WORLDS)), ("world", ["first"] * WORLDS)],
+)
+def test_worlds_of_another_kind_are_refused(name, values, tmp_path):
+    folder = write_run(tmp_path / "a")
+    own = {"world": np.arange(WORLDS), "status": np.array(["ok"] * WORLDS), "coverage": np.ones(WORLDS)}
+    write_parquet(folder / "runs.parquet", {**own, name: np.array(values)})
+    with pytest.raises(InputError, match=f"^A: found .*in the column {name}"):
+        read_run(folder, "A")
+
+
+def test_worlds_before_another_wall_are_paired(runs):
+    """They have the same random numbers."""
+    a, b = runs({}, {"wall": "corner"})
+    assert paired(a, b)

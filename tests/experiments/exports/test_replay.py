@@ -62,7 +62,7 @@ def test_the_script_prints_the_error(waving, tmp_path, capsys):
 
 @pytest.fixture(scope="module")
 def reaching() -> JointTrajectory:
-    """Two seconds of the test arm, whose URDF has neither base joints nor actuators nor a brush of that name."""
+    """Two seconds of the test arm, whose URDF has neither base joints nor actuators."""
     names = ("base_x", "base_y", "base_yaw", "shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint")
     time = np.linspace(0, 2, 41)
     reach = np.array([0.1, 0.1, 0.1, 0.2, -0.2, 0.2])
@@ -72,10 +72,22 @@ def reaching() -> JointTrajectory:
 
 def test_a_urdf_is_replayed_by_the_link_that_is_its_brush(reaching, tmp_path, capsys):
     write_table(reaching, tmp_path / "trajectory.csv")
-    words = [str(tmp_path / "trajectory.csv"), str(URDF), "--brush-site", "tool0"]
-    assert main(words) == 0
-    largest = float(capsys.readouterr().out.split("largest")[1].split()[0])
-    assert largest < 3.0
+    found = []
+    for brush in ("tool0", "brush"):
+        assert main([str(tmp_path / "trajectory.csv"), str(URDF), "--brush-site", brush]) == 0
+        found.append(float(capsys.readouterr().out.split("largest")[1].split()[0]))
+    assert 0 < found[0] < 3.0
+    assert found[0] != found[1], "another point of the robot"
+
+
+def test_the_brush_may_have_another_name(waving, tmp_path):
+    spec = mujoco.MjSpec.from_file(str(module.REFERENCE))
+    spec.site("brush").name = "tip"
+    path = tmp_path / "robot.xml"
+    path.write_text(spec.to_xml())
+    with pytest.raises(InputError, match="--brush-site"):
+        replay(waving, path)
+    np.testing.assert_allclose(replay(waving, path, "tip").error, replay(waving).error, atol=1e-8)
 
 
 def test_bad_input_is_one_line_and_status_2(reaching, waving, tmp_path, capsys):
@@ -88,9 +100,8 @@ def test_bad_input_is_one_line_and_status_2(reaching, waving, tmp_path, capsys):
         ([], "usage"),
         ([f"{here}/nowhere.csv"], "No such file"),
         ([f"{here}/urdf.csv"], "'shoulder_pan_joint'"),
-        ([f"{here}/urdf.csv", str(URDF)], "--brush-site"),
+        ([f"{here}/urdf.csv", str(URDF), "--brush-site", "tip"], "'tip'"),
         ([f"{here}/reference.csv", "nowhere.xml"], "no such file"),
-        ([f"{here}/reference.csv", "--brush-site", "tip"], "'tip'"),
         ([f"{here}/reference.csv", "--brush", "brush"], "--brush"),
         ([f"{here}/up.csv"], "pen down"),
     ):
