@@ -6,6 +6,7 @@ import re
 
 import numpy as np
 import pytest
+import yaml
 
 from experiments.exports import export, to_message
 
@@ -63,7 +64,6 @@ def test_json_and_yaml_say_the_same_bit_for_bit(waving, tmp_path):
 
 
 def test_a_yaml_parser_reads_it_too(waving, tmp_path):
-    yaml = pytest.importorskip("yaml")
     for path in export(waving, tmp_path, ["ros2-yaml", "ros2-json"]):
         assert yaml.safe_load(path.read_text()) == to_message(waving)
 
