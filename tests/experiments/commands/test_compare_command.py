@@ -1,12 +1,14 @@
 """`jaxpaint compare`: table, summary and page of two made-up runs."""
 
 import base64
+import io
 import json
 import re
 
 import numpy as np
 import pytest
 from matplotlib.figure import Figure as MatplotlibFigure
+from PIL import Image
 
 from experiments.cli import main
 from experiments.commands import compare
@@ -85,8 +87,17 @@ def test_a_comparison_is_repeated_from_its_own_summary(runs, capsys):
 
 
 def test_pictures_keep_their_order(runs):
-    a, b = (comparison.first_picture(compare.read_run(runs / name, name)) for name in "ab")
-    assert a is not None
-    assert b is not None
-    assert a != b
-    assert comparison.side_by_side([a, b]).image.startswith(b"\x89PNG")
+    """A, which is red, is left of B."""
+    for name, colour in (("a", (255, 0, 0)), ("b", (0, 0, 255))):
+        with io.BytesIO() as file:
+            Image.new("RGB", (80, 60), colour).save(file, "png")
+            picture = base64.b64encode(file.getvalue()).decode()
+        (runs / name / "report.html").write_text(f'<img alt="" src="data:image/png;base64,{picture}">')
+    assert main(["compare", "a", "b", "--out", "c"]) == 0
+    both = comparison.first_picture(compare.read_run(runs / "c", "C"))
+    assert both is not None
+    pixels = np.asarray(Image.open(io.BytesIO(both)).convert("RGB")).astype(int)
+    red, blue = pixels[..., 0] - pixels[..., 2] > 200, pixels[..., 2] - pixels[..., 0] > 200
+    middle = pixels.shape[1] // 2
+    assert red.mean() > 0.1 and blue.mean() > 0.1
+    assert not red[:, middle:].any() and not blue[:, :middle].any()
