@@ -131,7 +131,7 @@ def test_every_statistic_is_what_the_summary_says_of_its_column():
         rows = []
         for k, status in enumerate(statuses):
             values = dict(zip(names, random.uniform(0.1, 0.9, len(names)), strict=True))
-            values |= {"status": status, "halts": k, "control_steps": 10 * k}
+            values |= {"status": status, "halts": k**2, "control_steps": 10 * k}
             if k == len(statuses) - 1:
                 values |= {"thickness_cv": math.nan, "coverage": math.nan, "rmse_x": math.nan}
             rows.append(WorldScore(**values))

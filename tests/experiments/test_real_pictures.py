@@ -1,6 +1,7 @@
 """Real pictures and meshes, painted whole: what the toolkit promises of them. Minutes each."""
 
 import contextlib
+import re
 
 import pytest
 
@@ -22,7 +23,9 @@ def silent(title, total):
 
 
 def paint(**options):
-    return run(PaintOptions(worlds=WORLDS, **options), silent)
+    asked = PaintOptions(worlds=WORLDS, **options)
+    asked.check()
+    return run(asked, silent)
 
 
 def check(summary, coverage=0.97, excess=0.05, stroke_error=0.004):
@@ -54,3 +57,27 @@ def test_two_colours(shared_data, tmp_path):
     found = paint(image=picture, canvas_size=SIZE)
     assert len(found.summary["path"]["passes"]) == 2
     check(found.summary)
+
+
+@pytest.mark.parametrize(
+    ("name", "options"),
+    [("noether_raw_mesh.ply", {}), ("trimesh_cylinder.stl", {"wall_scale": 1.0})],
+)
+def test_a_mesh_as_the_wall(shared_data, name, options):
+    """On the canvas that is found in it."""
+    wall, picture = shared_data / "meshes" / name, shared_data / "images" / "few_beziers.svg"
+    found = paint(wall=wall, image=picture, **options)
+    check(found.summary)
+    assert name.split(".")[0] in found.notes[0]
+
+
+def test_strokes_over_a_hole_in_a_mesh_are_named(shared_data):
+    """The picture is wider than what is whole: it lies over the hole, and all around it is painted."""
+    wall, picture = (
+        shared_data / "meshes" / "trimesh_wallhole.obj",
+        shared_data / "images" / "few_beziers.svg",
+    )
+    found = paint(wall=wall, wall_scale=0.25, image=picture, canvas_size=(2.4, 1.2))
+    check(found.summary)
+    (left_out,) = [note for note in found.notes if note.startswith("left out, over a hole")]
+    assert re.search(r"points, in strokes? \d", left_out)
