@@ -56,6 +56,35 @@ def test_a_fill_hides_the_line_below_it_but_not_the_one_above(draw):
     assert [np.ptp(part[:, 0]) for part in above.lines] == pytest.approx([80])
 
 
+def line(colour: str, width: float, data: str = "M10 20L60 50") -> str:
+    return f'<path d="{data}" stroke="{colour}" stroke-width="{width}"/>'
+
+
+@pytest.mark.parametrize(
+    ("below", "above", "seen"),
+    [
+        (line("white", 6), line("black", 2), (0, 0, 0)),
+        (line("red", 2), line("blue", 2), (0, 0, 1)),
+        (line("red", 2), line("blue", 2, "M60 50L10 20"), (0, 0, 1)),
+        (line("black", 6), line("white", 2), (0, 0, 0)),  # a road between its rims
+    ],
+)
+def test_of_a_line_drawn_again_the_topmost_is_seen(draw, below, above, seen):
+    drawing = draw(below + above)
+    assert (len(drawing.lines), drawing.colours, drawing.ignored) == (1, (seen,), {"duplicate": 1})
+    assert np.ptp(drawing.lines[0][:, 0]) == pytest.approx(50)
+
+
+def test_a_line_under_the_same_one_of_paper_is_hidden(draw):
+    with pytest.raises(InputError, match="nothing to draw"):
+        draw(line("red", 2) + line("white", 2))
+
+
+def test_a_line_drawn_again_over_what_hid_it_is_seen(draw):
+    drawing = draw(line("red", 2) + rect(0, 0, 100, 90, "yellow") + line("red", 2))
+    assert len(drawing.lines) == 1 and len(drawing.colours) == 2
+
+
 def test_a_line_along_the_rim_of_what_covers_it_stays(draw):
     drawing = draw('<path d="M10 20H30"/>' + rect(10, 20, 20, 20, "yellow"))
     assert len(drawing.lines) == 1 and np.ptp(drawing.lines[0][:, 0]) == pytest.approx(20)
