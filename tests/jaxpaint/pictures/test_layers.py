@@ -8,6 +8,7 @@ from jaxpaint.pictures import fit, plan_strokes, read_drawing
 from jaxpaint.pictures.palette import MOST, merged
 from jaxpaint.pictures.regions import region_of
 
+FILLED = 'fill="red" stroke="none"'
 RECT = '<rect x="{}" y="{}" width="{}" height="{}" fill="{}" stroke="none"/>'
 
 
@@ -93,6 +94,28 @@ def test_a_line_along_the_rim_of_what_covers_it_stays(draw):
 def test_what_is_covered_completely_is_not_there(draw):
     drawing = draw(rect(10, 10, 5, 5, "red") + rect(0, 0, 40, 40, "blue"))
     assert drawing.colours == ((0, 0, 1),) and len(drawing.areas) == 1
+
+
+@pytest.mark.parametrize(
+    "cover",
+    [
+        '<circle cx="49.7" cy="49.9" r="30" transform="translate(.3 .1)" {}/>',
+        '<path d="M20 50A30 30 0 0 1 50 20A30 30 0 0 1 80 50A30 30 0 0 1 35 75.98A30 30 0 0 1 20 50" {}/>',
+        '<circle cx="50.0003" cy="50" r="30" {}/>',
+    ],
+)
+def test_what_is_covered_but_for_rounding_has_no_pass_of_its_own(draw, cover):
+    drawing = draw('<circle cx="50" cy="50" r="30" fill="black" stroke="none"/>' + cover.format(FILLED))
+    assert drawing.colours == ((1, 0, 0),) and len(drawing.areas) == 1
+
+
+def test_what_covers_nearly_all_leaves_a_rim_and_a_hairline_stays(draw):
+    crescent = (
+        '<circle cx="50" cy="50" r="30" fill="black" stroke="none"/><circle cx="50" cy="50.1" r="30" {}/>'
+    )
+    assert len(draw(crescent.format(FILLED)).colours) == 2
+    hairline = rect(0, 50, 100, 0.01, "black") + rect(20, 20, 40, 60, "red")
+    assert [area.colour for area in draw(hairline).areas] == [0, 1, 1]
 
 
 def test_all_of_the_papers_colour_is_nothing_to_draw(draw):
