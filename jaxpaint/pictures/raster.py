@@ -8,6 +8,7 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 from jaxpaint.errors import InputError
+from jaxpaint.pictures.dots import EVEN, parted
 from jaxpaint.pictures.drawing import Drawing, Polyline, is_closed
 from jaxpaint.pictures.ink import Ink, inks_of
 from jaxpaint.pictures.ink_settings import RasterSettings
@@ -19,9 +20,7 @@ from jaxpaint.pictures.skeleton import CentreLine, centre_lines, half_width, sam
 MAX_RINGS = 5_000
 _TOLERANCE = 0.15  # pixels that rims and centre-lines may be simplified by
 _THIN = 0.04  # of the ink's longer side: wider lines are areas
-_EVEN = 1.6  # the wide parts of a line against its usual width
 _FILLS = (0.7, 1.3)  # length times width of lines, over the area of their ink
-_STUB = 2.0  # lines shorter than this many widths of their ink are dots
 
 
 def raster_drawing(path: Path, settings: RasterSettings) -> Drawing:
@@ -31,18 +30,29 @@ def raster_drawing(path: Path, settings: RasterSettings) -> Drawing:
     inks = inks_of(pixels, settings)
     if not inks:
         raise nothing()
-    layers = [_layer(ink, settings) for ink in inks]
+    layers = [layer for ink in inks for layer in _layers(ink, settings)]
     # Inks do not cover each other; the paper's colour was left out when they were found.
     return laid(layers, None, path.stem, dict.fromkeys(pixels.noted, 1))
 
 
-def _layer(ink: Ink, settings: RasterSettings) -> Layer:
+def _layers(ink: Ink, settings: RasterSettings) -> list[Layer]:
     mask = ink.field > 0
     if settings.style != "area":
         lines = centre_lines(mask)
         if settings.style == "skeleton" or is_line_art(mask, lines):
-            return Layer(ink.colour, shapely.Polygon(), tuple(_polylines(lines, mask)))
-    return Layer(ink.colour, _area(ink.field))
+            return _line_art(ink, mask, lines)
+    return [Layer(ink.colour, _area(ink.field))]
+
+
+def _line_art(ink: Ink, mask: np.ndarray, lines: list[CentreLine]) -> list[Layer]:
+    """Lines and dots, and dots wider than the lines as areas."""
+    found = parted(mask, lines)
+    dots = [_up(np.stack([middle, middle])) for middle in found.dots]
+    drawn = Layer(ink.colour, shapely.Polygon(), (*_polylines(found.lines, mask), *dots))
+    if not found.blots.any():
+        return [drawn]
+    blots = _area(np.where(mask & ~found.blots, -1e-3, ink.field))
+    return [Layer(ink.colour, blots), drawn]
 
 
 def is_line_art(mask: np.ndarray, lines: list[CentreLine]) -> bool:
@@ -56,7 +66,7 @@ def is_line_art(mask: np.ndarray, lines: list[CentreLine]) -> bool:
     size = max(np.ptp(rows), np.ptp(columns)) + 1
     length = sum(np.linalg.norm(np.diff(line.points, axis=0), axis=1).sum() for line in lines)
     covers = (length * width + len(lines) * width**2 / 2) / mask.sum()
-    return bool(width <= _THIN * size and wide <= _EVEN * width and _FILLS[0] <= covers <= _FILLS[1])
+    return bool(width <= _THIN * size and wide <= EVEN * width and _FILLS[0] <= covers <= _FILLS[1])
 
 
 def _polylines(lines: list[CentreLine], mask: np.ndarray) -> Iterator[Polyline]:
