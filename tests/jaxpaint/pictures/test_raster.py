@@ -86,6 +86,45 @@ def test_uneven_light_is_followed(saved):
     assert abs(area_of(globally) - wanted) > 0.5 * wanted
 
 
+def slope(rows: int, columns: int) -> np.ndarray:
+    return np.linspace(1.0, 0.5, columns) * np.ones((rows, 1))
+
+
+def vignette(rows: int, columns: int) -> np.ndarray:
+    v, u = np.mgrid[:rows, :columns]
+    return 1 - 0.6 * ((u - 0.45 * columns) ** 2 + (v - 0.55 * rows) ** 2) / (0.625 * columns) ** 2
+
+
+@pytest.mark.parametrize("light", [slope, vignette])
+@pytest.mark.parametrize(
+    ("turned", "radius", "middle"),
+    [
+        (False, 40, (200, 150)),
+        (False, 90, (200, 150)),
+        (False, 90, (60, 70)),
+        (True, 40, (200, 150)),
+        (True, 90, (200, 150)),
+    ],
+)
+def test_solid_ink_in_uneven_light_is_whole(saved, light, turned, radius, middle):
+    """Discs far wider than the neighbourhood in which shadows are followed, dark ones and bright ones."""
+    v, u = np.mgrid[:300, :400]
+    ink = np.hypot(u - middle[0], v - middle[1]) < radius
+    tones = np.where(ink, 0.9, 0.2) if turned else np.where(ink, 0.2, 1.0)
+    page = gaussian_filter(light(300, 400) * tones, 0.6)
+    settings = RasterSettings(style="area", threshold="local")
+    assert area_of(read_drawing(saved(page), settings)) == pytest.approx(ink.sum(), rel=0.02)
+
+
+def test_shadows_are_followed(saved):
+    """A soft shadow over a corner, in which paper is as dark as half of the light makes it."""
+    shadow = np.ones((260, 400))
+    shadow[120:, 150:] = 0.5
+    page = gaussian_filter(gaussian_filter(shadow, 8) * (0.25 + 0.75 * lettering()), 0.6)
+    drawing = read_drawing(saved(page), RasterSettings(style="area", threshold="local"))
+    assert area_of(drawing) == pytest.approx((lettering() < 0.5).sum(), rel=0.05)
+
+
 def test_specks_are_left_out(saved):
     rng = np.random.default_rng(1)
     page = disc()
