@@ -1,6 +1,6 @@
 """Which pixels are ink: by their intensity against the paper's (S1 section III-B), or by their colour."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
@@ -22,10 +22,15 @@ _CLEAR = 1.6  # times the threshold: how dark a patch must be somewhere to count
 
 @dataclass(frozen=True, eq=False)
 class Ink:
-    """One colour of a picture. field: above 0 where it is, the rim where it passes through 0."""
+    """One colour of a picture.
+
+    field: above 0 where it is, the rim where it passes through 0. others: how many more colours of the
+    picture are painted in it.
+    """
 
     colour: Colour
     field: Float[np.ndarray, "rows columns"]
+    others: int = 0
 
 
 def inks_of(pixels: Pixels, settings: RasterSettings) -> list[Ink]:
@@ -42,10 +47,12 @@ def inks_of(pixels: Pixels, settings: RasterSettings) -> list[Ink]:
         [] if settings.colours == 1 or settings.threshold != "auto" else colour_layers(tones, rgb, settings)
     )
     if len(layers) > 1 or (layers and settings.colours):
-        found = [Ink(colour, field) for colour, field in colour_fields(tones, layers)]
+        inks = [tone for tone in layers if not tone.paper]
+        fields = colour_fields(tones, layers)
+        found = [Ink(tone.rgb, field, len(tone.labs) - 1) for tone, field in zip(inks, fields, strict=True)]
     else:
         found = [_one_ink(rgb, tones[..., 0], settings)]
-    cleaned = [Ink(ink.colour, _despeckled(ink.field, settings)) for ink in found]
+    cleaned = [replace(ink, field=_despeckled(ink.field, settings)) for ink in found]
     return [ink for ink in cleaned if (ink.field > 0).any()]
 
 

@@ -9,7 +9,7 @@ from shapely.geometry.base import BaseGeometry
 
 from jaxpaint.errors import InputError
 from jaxpaint.pictures.drawing import Area, Colour, Drawing, Polyline, polyline_length
-from jaxpaint.pictures.palette import alike, merged
+from jaxpaint.pictures.palette import alike, merged, too_many
 from jaxpaint.pictures.regions import areas_of, line_strings, polygons
 
 # Of the drawing's size, the longer side of all layers together:
@@ -44,6 +44,7 @@ def laid(layers: Sequence[Layer], paper: Colour | None, name: str, ignored: Mapp
     if not kept:
         raise nothing()
     colours, place = merged([layer.colour for layer in kept], [_weight(layer) for layer in kept])
+    lost = too_many([layer.colour for layer in kept])
     lines = [(line, int(k)) for layer, k in zip(kept, place, strict=True) for line in layer.lines]
     areas = [area for k in range(len(colours)) for area in _one_colour(kept, place, k, size)]
     return Drawing(
@@ -52,7 +53,7 @@ def laid(layers: Sequence[Layer], paper: Colour | None, name: str, ignored: Mapp
         tuple(areas),
         colours,
         name,
-        dict(ignored),
+        dict(ignored) | ({"colour": ignored.get("colour", 0) + lost} if lost else {}),
     )
 
 

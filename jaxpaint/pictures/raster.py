@@ -32,7 +32,9 @@ def raster_drawing(path: Path, settings: RasterSettings) -> Drawing:
         raise nothing()
     layers = [layer for ink in inks for layer in _layers(ink, settings)]
     # Inks do not cover each other; the paper's colour was left out when they were found.
-    return laid(layers, None, path.stem, dict.fromkeys(pixels.noted, 1))
+    others = sum(ink.others for ink in inks)
+    ignored = dict.fromkeys(pixels.noted, 1) | ({"colour": others} if others else {})
+    return laid(layers, None, path.stem, ignored)
 
 
 def _layers(ink: Ink, settings: RasterSettings) -> list[Layer]:

@@ -156,6 +156,13 @@ def test_palettes_have_few_colours():
     assert len(palette) <= MOST and set(place) == set(range(len(palette))) and set(palette) <= set(many)
 
 
+def test_colours_beyond_the_palette_are_counted(draw):
+    hues = [f"hsl({360 * k / 11:.0f}, 100%, 50%)" for k in range(11)]
+    drawing = draw("".join(rect(9 * k, 0, 8, 8, hue) for k, hue in enumerate(hues)))
+    # Two of the greens look alike and count as one.
+    assert (len(drawing.areas), len(drawing.colours), drawing.ignored) == (11, MOST, {"colour": 2})
+
+
 @pytest.mark.realdata
 def test_a_logo_in_two_colours(shared_data, svg_file):
     """Python's snakes: the lower one, from its third sub-path on, in a colour of its own."""

@@ -1,8 +1,11 @@
 """Ink from pixels: which side is ink, uneven light, colours, sub-pixel rims, line art."""
 
+import colorsys
+
 import cv2
 import numpy as np
 import pytest
+import shapely
 from PIL import Image, ImageDraw
 from scipy.ndimage import gaussian_filter
 
@@ -168,6 +171,22 @@ def test_fewer_colours_on_demand(saved):
     assert len(read_drawing(saved(flag()), RasterSettings(colours=1)).colours) == 1
 
 
+@pytest.mark.parametrize(("count", "colours", "lost"), [(12, 3, 8), (12, 0, 3), (5, 0, 0)])
+def test_colours_without_an_ink_are_painted_in_the_nearest(saved, count, colours, lost):
+    """Hues in boxes on white; of three inks none is as near to cyan as the paper is."""
+    page = np.ones((220, 400, 3))
+    corners = [(15 + k // 5 * 70, 20 + k % 5 * 75) for k in range(count)]
+    for k, (row, column) in enumerate(corners):
+        page[row : row + 50, column : column + 55] = colorsys.hsv_to_rgb(k / count, 1, 1)
+    drawing = read_drawing(saved(page), RasterSettings(colours=colours))
+    ink = shapely.unary_union([region_of(area) for area in drawing.areas])
+    boxes = [shapely.box(column, -row - 50, column + 55, -row) for row, column in corners]
+    assert min(ink.intersection(box).area / box.area for box in boxes) > 0.95
+    assert drawing.ignored == ({"colour": lost} if lost else {})
+    # Twelve tones are told apart at most, and one of them is the paper.
+    assert len(drawing.colours) == min(11, count) - lost
+
+
 def test_line_art_is_read_as_lines_straight_through_the_crossing(saved):
     drawing = read_drawing(saved(lettering()))
     assert not drawing.areas and len(drawing.lines) == 4
@@ -210,6 +229,11 @@ def test_real_pictures(shared_data):
         ({"threshold": "x"}, "picture threshold: found 'x'; allowed are auto, global, local"),
         ({"ink": "pink"}, "picture ink: found 'pink'; allowed are auto, dark, light"),
         ({"colours": 9}, "picture colours: found 9; allowed are"),
+        (
+            {"colours": 3, "threshold": "global"},
+            "picture threshold global with picture colours 3: found both",
+        ),
+        ({"colours": 2, "threshold": "local"}, "picture threshold local with picture colours 2: found both"),
     ],
 )
 def test_impossible_settings(saved, options, message):
