@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from jaxpaint.errors import InputError
+from jaxpaint.pictures.reading import Reading
 
 Polyline = Float[np.ndarray, "points 2"]
 Colour = tuple[float, float, float]
@@ -35,7 +36,8 @@ class Drawing:
     lines: centre-lines of strokes, in the order of the file; a closed one repeats its first point, and a dot
     has the same point twice. line_colours: the colour of each line. areas: what is seen of each fill; no two
     overlap. colours: sRGB from 0 to 1 in the order of painting, one pass each. ignored: how many things of
-    each sort were in the file and are not drawn.
+    each sort were in the file and are not drawn, or otherwise. reading: how well lines were read from pixels;
+    None where none were.
     """
 
     lines: tuple[Polyline, ...]
@@ -44,6 +46,7 @@ class Drawing:
     colours: tuple[Colour, ...]
     name: str
     ignored: Mapping[str, int] = field(default_factory=dict)
+    reading: Reading | None = None
 
     @property
     def closed(self) -> tuple[bool, ...]:

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from scipy import ndimage
 
 from jaxpaint.errors import InputError
@@ -24,12 +24,13 @@ _CLEAR = 1.6  # times the threshold: how dark a patch must be somewhere to count
 class Ink:
     """One colour of a picture.
 
-    field: above 0 where it is, the rim where it passes through 0. others: how many more colours of the
-    picture are painted in it.
+    field: above 0 where it is, the rim where it passes through 0. specked: where it is before specks are left
+    out. others: how many more colours of the picture are painted in it.
     """
 
     colour: Colour
     field: Float[np.ndarray, "rows columns"]
+    specked: Bool[np.ndarray, "rows columns"]
     others: int = 0
 
 
@@ -49,7 +50,10 @@ def inks_of(pixels: Pixels, settings: RasterSettings) -> list[Ink]:
     if len(layers) > 1 or (layers and settings.colours):
         inks = [tone for tone in layers if not tone.paper]
         fields = colour_fields(tones, layers)
-        found = [Ink(tone.rgb, field, len(tone.labs) - 1) for tone, field in zip(inks, fields, strict=True)]
+        found = [
+            Ink(tone.rgb, field, field > 0, len(tone.labs) - 1)
+            for tone, field in zip(inks, fields, strict=True)
+        ]
     else:
         found = [_one_ink(rgb, tones[..., 0], settings)]
     cleaned = [replace(ink, field=_despeckled(ink.field, settings)) for ink in found]
@@ -88,7 +92,7 @@ def _one_ink(rgb: np.ndarray, light: np.ndarray, settings: RasterSettings) -> In
     grey = lab(rgb[inside])[:, 1:]
     colourless = float(np.median(np.hypot(*grey.T))) < 12
     red, green, blue = (float(c) for c in np.median(rgb[inside], axis=0))
-    return Ink(BLACK if dark and colourless else (red, green, blue), field)
+    return Ink(BLACK if dark and colourless else (red, green, blue), field, inside)
 
 
 def otsu(light: Float[np.ndarray, "rows columns"]) -> tuple[float, float]:

@@ -1,6 +1,9 @@
 """From pixels to a drawing: ink as centre-lines where it is line art, else as areas with sub-pixel rims."""
 
 from collections.abc import Iterator
+from dataclasses import replace
+from functools import reduce
+from operator import add
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +17,8 @@ from jaxpaint.pictures.ink import Ink, inks_of
 from jaxpaint.pictures.ink_settings import RasterSettings
 from jaxpaint.pictures.layers import Layer, laid, nothing
 from jaxpaint.pictures.pixels import read_pixels
+from jaxpaint.pictures.reading import Reading
+from jaxpaint.pictures.reading_measure import reading_of
 from jaxpaint.pictures.regions import filled
 from jaxpaint.pictures.skeleton import CentreLine, centre_lines, half_width, sampled
 
@@ -30,31 +35,35 @@ def raster_drawing(path: Path, settings: RasterSettings) -> Drawing:
     inks = inks_of(pixels, settings)
     if not inks:
         raise nothing()
-    layers = [layer for ink in inks for layer in _layers(ink, settings)]
+    read = [_read(ink, settings) for ink in inks]
+    layers = [layer for some, _ in read for layer in some]
+    readings = [reading for _, reading in read if reading is not None]
     # Inks do not cover each other; the paper's colour was left out when they were found.
     others = sum(ink.others for ink in inks)
     ignored = dict.fromkeys(pixels.noted, 1) | ({"colour": others} if others else {})
-    return laid(layers, None, path.stem, ignored)
+    drawing = laid(layers, None, path.stem, ignored)
+    return replace(drawing, reading=reduce(add, readings)) if readings else drawing
 
 
-def _layers(ink: Ink, settings: RasterSettings) -> list[Layer]:
+def _read(ink: Ink, settings: RasterSettings) -> tuple[list[Layer], Reading | None]:
+    """The layers of one ink, and how well it was read if it is line art."""
     mask = ink.field > 0
     if settings.style != "area":
         lines = centre_lines(mask)
         if settings.style == "skeleton" or is_line_art(mask, lines):
             return _line_art(ink, mask, lines)
-    return [Layer(ink.colour, _area(ink.field))]
+    return [Layer(ink.colour, _area(ink.field))], None
 
 
-def _line_art(ink: Ink, mask: np.ndarray, lines: list[CentreLine]) -> list[Layer]:
+def _line_art(ink: Ink, mask: np.ndarray, lines: list[CentreLine]) -> tuple[list[Layer], Reading]:
     """Lines and dots, and dots wider than the lines as areas."""
     found = parted(mask, lines)
-    dots = [_up(np.stack([middle, middle])) for middle in found.dots]
-    drawn = Layer(ink.colour, shapely.Polygon(), (*_polylines(found.lines, mask), *dots))
-    if not found.blots.any():
-        return [drawn]
-    blots = _area(np.where(mask & ~found.blots, -1e-3, ink.field))
-    return [Layer(ink.colour, blots), drawn]
+    drawn = [*_polylines(found.lines), *(np.stack([middle, middle]) for middle in found.dots)]
+    layers = [Layer(ink.colour, shapely.Polygon(), tuple(_up(line) for line in drawn))]
+    if found.blots.any():
+        blots = _area(np.where(mask & ~found.blots, -1e-3, ink.field))
+        layers = [Layer(ink.colour, blots), *layers]
+    return layers, reading_of(ink.specked, drawn, found.blots)
 
 
 def is_line_art(mask: np.ndarray, lines: list[CentreLine]) -> bool:
@@ -71,13 +80,13 @@ def is_line_art(mask: np.ndarray, lines: list[CentreLine]) -> bool:
     return bool(width <= _THIN * size and wide <= EVEN * width and _FILLS[0] <= covers <= _FILLS[1])
 
 
-def _polylines(lines: list[CentreLine], mask: np.ndarray) -> Iterator[Polyline]:
-    """Centre-lines with v up, without needless points."""
+def _polylines(lines: list[CentreLine]) -> Iterator[Polyline]:
+    """Centre-lines without needless points."""
     for line in lines:
         points = np.array(shapely.LineString(line.points).simplify(_TOLERANCE).coords)
         if is_closed(line.points):
             points[-1] = points[0]
-        yield _up(points)
+        yield points
 
 
 def _up(points: Polyline) -> Polyline:
