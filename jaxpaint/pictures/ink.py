@@ -16,8 +16,12 @@ from jaxpaint.pictures.palette import lab
 from jaxpaint.pictures.pixels import Pixels
 
 _CONTRAST = 10.0  # of L (0 to 100) between ink and paper: less is a blank sheet
-_SEPARABLE = 0.85  # of Otsu's criterion: below it one threshold does not part ink from paper
-_CLEAR = 1.6  # times the threshold: how dark a patch must be somewhere to count as ink in uneven light
+# Of Otsu's criterion: below it one threshold does not part ink from paper. Two clean tones have nearly 1, a
+# page whose light falls by half has 0.6 to 0.8.
+_SEPARABLE = 0.85
+# Times the threshold: how dark a patch must be somewhere to count as ink in uneven light. The threshold lies
+# midway between paper and ink, so ink reaches 2; noise and folds that just pass it do not reach 1.6.
+_CLEAR = 1.6
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,7 +13,9 @@ from jaxpaint.pictures.palette import MOST
 
 _STARTS = 12  # means that k-means begins with
 _SAMPLE = 20_000  # pixels
-_NEAR = 15.0  # means nearer than this in Lab are one
+# Means nearer than this in Lab are one: more than `palette.NEAR`, since means are measured and a JPEG
+# spreads one colour by some units, where a drawing states it.
+_NEAR = 15.0
 _FLAT = 6.0  # pixels so near to a mean have its tone
 _MOSTLY = 0.9  # share of pixels with the tone of a mean in a picture of flat tones
 _CHROMA = 20.0  # ink further than this from grey is coloured

@@ -44,7 +44,8 @@ def test_how_well_lines_were_read(under, said):
 def test_everything_that_readers_count_has_words(draw):
     body = (
         '<rect width="100%" height="100%" fill="#eee" stroke="none"/><text>a</text>'
-        '<image width="3" height="3"/><foreignObject/><use href="b.svg#a"/><path d="M0 0h0"/><g clip-path="url(#c)" mask="url(#m)"/>'
+        '<image width="3" height="3"/><foreignObject/><use href="b.svg#a"/><path d="M0 0h0"/>'
+        '<g clip-path="url(#c)" mask="url(#m)"/>'
         '<path d="M1 1L9 9"/><path d="M9 9L1 1"/><rect width="9" height="9" fill="url(#g)"/>'
     )
     drawing = draw(body)
