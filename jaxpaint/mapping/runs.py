@@ -80,14 +80,17 @@ def find_runs(
 
     colour: of each stroke; all the first, if not given.
 
-    A run shorter than `shortest` [m] is left out as SHORT; runs beyond the `most` that there is room for as
+    A run shorter than `shortest` [m] is left out as SHORT if it is the rest of a stroke that was cut. A whole
+    stroke that short is a dab, the brush pressed down and lifted, and stays; but without any length it takes
+    no time and would not be painted: SHORT too. Runs beyond the `most` that there is room for are left out as
     OVERFLOW.
     """
     hit = mapped.status == Cause.HIT
     number = hit.shape[0]
     piece = jnp.cumsum(~link) - 1
     length = jnp.zeros(number, mapped.p_map.dtype).at[piece].add(jnp.where(link, steps(mapped.p_map), 0))
-    keep = hit & (length[piece] >= shortest)
+    whole = _whole(stroke, piece) & (length > 0)
+    keep = hit & ((length >= shortest) | whole)[piece]
     begins = keep & ~link
     run = jnp.cumsum(begins) - 1
     fits = keep & (run < most)
@@ -103,3 +106,12 @@ def find_runs(
         jnp.zeros_like(of) if colour is None else jnp.where(live, colour[stroke[first]], 0).astype(of.dtype)
     )
     return Runs(first, last, of, tool, live), status.astype(mapped.status.dtype)
+
+
+def _whole(stroke: Int[Array, "P"], piece: Int[Array, "P"]) -> Bool[Array, "P"]:
+    """Per piece of a stroke whether it holds the stroke's first point and its last."""
+    border = stroke[1:] != stroke[:-1]
+    none = jnp.zeros(stroke.shape, bool)
+    first = none.at[piece].max(jnp.ones_like(none).at[1:].set(border))
+    last = none.at[piece].max(jnp.ones_like(none).at[:-1].set(border))
+    return first & last

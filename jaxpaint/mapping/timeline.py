@@ -21,8 +21,9 @@ class PathSettings(eqx.Module):
     """Numbers of the path; all traced.
 
     speed: of the brush with the pen down [m/s]. acceleration: along the run [m/s^2]. jump: a step longer than
-    this many usual steps splits a run [-]. turn: and a turn of the normal beyond this [rad]. shortest: runs
-    shorter than this are left out [m]. smoothing: length over which normals are averaged [m].
+    this many usual steps splits a run [-]. turn: and a turn of the normal beyond this [rad]. shortest: rests
+    of cut strokes that are shorter are left out [m]; a whole stroke is painted however short, as a dab.
+    smoothing: length over which normals are averaged [m].
     """
 
     speed: Float[Array, ""] = eqx.field(default=0.03, converter=jnp.asarray)

@@ -7,9 +7,13 @@ import numpy as np
 from jaxtyping import Float
 
 from jaxpaint.errors import InputError
+from jaxpaint.pictures.reading import Reading
 
 Polyline = Float[np.ndarray, "points 2"]
 Colour = tuple[float, float, float]
+
+DAB = 2e-3
+"""The shortest stroke [m], a brush pressed down and lifted: short against any brush, yet a way to go."""
 
 BLACK: Colour = (0.0, 0.0, 0.0)
 
@@ -29,10 +33,11 @@ class Area:
 class Drawing:
     """The ink of a picture, in the picture's own units; u to the right, v UP.
 
-    lines: centre-lines of strokes, in the order of the file; a closed one repeats its first point.
-    line_colours: the colour of each line. areas: what is seen of each fill; no two overlap. colours: sRGB
-    from 0 to 1 in the order of painting, one pass each. ignored: how many things of each sort were in the
-    file and are not drawn.
+    lines: centre-lines of strokes, in the order of the file; a closed one repeats its first point, and a dot
+    has the same point twice. line_colours: the colour of each line. areas: what is seen of each fill; no two
+    overlap. colours: sRGB from 0 to 1 in the order of painting, one pass each. ignored: how many things of
+    each sort were in the file and are not drawn, or otherwise. reading: how well lines were read from pixels;
+    None where none were.
     """
 
     lines: tuple[Polyline, ...]
@@ -41,6 +46,7 @@ class Drawing:
     colours: tuple[Colour, ...]
     name: str
     ignored: Mapping[str, int] = field(default_factory=dict)
+    reading: Reading | None = None
 
     @property
     def closed(self) -> tuple[bool, ...]:
@@ -74,22 +80,35 @@ def polyline_length(line: Polyline) -> float:
     return float(np.linalg.norm(np.diff(line, axis=0), axis=1).sum())
 
 
+def at_least(line: Polyline, length: float = DAB) -> Polyline:
+    """A line drawn out to a length [m] where it is shorter; a point becomes a line along u."""
+    middle, span = (line[0] + line[-1]) / 2, float(np.linalg.norm(line[-1] - line[0]))
+    if polyline_length(line) >= length:
+        return line
+    along = (line[-1] - line[0]) / span if span > 1e-9 else np.array([1.0, 0.0])
+    return middle + np.outer([-length / 2, length / 2], along)
+
+
 def fit(drawing: Drawing, size: tuple[float, float]) -> Drawing:
     """The drawing in canvas metres: as large as fits size (width, height) [m], aspect kept, centred on 0.
 
-    What is fitted is the ink (its bounds), not the page that it stands on. A size that is not two positive
-    finite numbers is an InputError.
+    What is fitted is the ink (its bounds), not the page that it stands on. Dots become dabs, 2 mm long. A
+    size that is not two positive finite numbers is an InputError, and so is a drawing of a single dot, which
+    has no size of its own.
     """
     room = np.asarray(size, dtype=float)
     if room.shape != (2,) or not (np.isfinite(room) & (room > 0)).all():
         raise InputError(f"canvas size: found {size}; allowed are two positive lengths in metres")
     lower, upper = drawing.bounds
     extent = upper - lower
+    if not extent.any():
+        raise InputError(f"{drawing.name}: found a single dot; allowed is a drawing with a width or a height")
     scale = min(room[axis] / extent[axis] for axis in (0, 1) if extent[axis] > 0)
     middle = (lower + upper) / 2
 
     def placed(lines: tuple[Polyline, ...]) -> tuple[Polyline, ...]:
         return tuple((line - middle) * scale for line in lines)
 
+    lines = tuple(line if polyline_length(line) else at_least(line) for line in placed(drawing.lines))
     areas = tuple(replace(area, rings=placed(area.rings)) for area in drawing.areas)
-    return replace(drawing, lines=placed(drawing.lines), areas=areas)
+    return replace(drawing, lines=lines, areas=areas)

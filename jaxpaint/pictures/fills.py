@@ -22,9 +22,13 @@ OVERLAP = 0.35
 BLEED = 0.00125  # [m]
 
 _MOST = 0.4  # of the radius: bleed of a small brush
-_ONE_LINE = 0.9  # half rows of bare ink to either side of a line that covers it alone
+# Half rows of bare ink to either side of a line that covers it alone: just under 1, where that line overlaps
+# the passes beside it as rows do.
+_ONE_LINE = 0.9
 _SLIVER = 0.12  # of the radius, to either side
-_SLENDER = 0.5  # of the bleed: what is wider than the inset by less is painted along its middle alone
+# Of the bleed: what is wider than the inset by less is painted along its middle alone. Passes along its rims
+# would lie on each other, and what a middle leaves of it is less than the bleed.
+_SLENDER = 0.5
 
 
 @dataclass(frozen=True)
@@ -34,7 +38,8 @@ class FillSettings:
     style: "hatch", a pass along the rim and parallel rows inside; "contour", passes along the rim further and
     further inside; "outline", the rims alone, as lines. overlap: share of the brush's width that neighbouring
     rows share. angle: of the rows against the horizontal [rad]; upright rows let a robot drive along the wall
-    once. bleed: how far outside the ink the brush's edge goes [m], so that drift leaves no bare rims.
+    once. bleed: how far outside the ink the brush's edge goes [m], so that drift leaves no bare rims; at most
+    0.4 of the brush's radius, whatever is asked for.
     """
 
     style: Style = "hatch"

@@ -1,31 +1,41 @@
 """Which pixels are ink: by their intensity against the paper's (S1 section III-B), or by their colour."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from scipy import ndimage
 
 from jaxpaint.errors import InputError
 from jaxpaint.pictures.drawing import BLACK, Colour
 from jaxpaint.pictures.ink_settings import RasterSettings
 from jaxpaint.pictures.inks import colour_fields, colour_layers
+from jaxpaint.pictures.light import levelled, paper_about
 from jaxpaint.pictures.palette import lab
 from jaxpaint.pictures.pixels import Pixels
 
 _CONTRAST = 10.0  # of L (0 to 100) between ink and paper: less is a blank sheet
-_SEPARABLE = 0.85  # of Otsu's criterion: below it one threshold does not part ink from paper
-_WINDOW = 10  # parts of the longer side: the neighbourhood of a local threshold
-_CLEAR = 1.6  # times the threshold: how dark a patch must be somewhere to count as ink in uneven light
+# Of Otsu's criterion: below it one threshold does not part ink from paper. Two clean tones have nearly 1, a
+# page whose light falls by half has 0.6 to 0.8.
+_SEPARABLE = 0.85
+# Times the threshold: how dark a patch must be somewhere to count as ink in uneven light. The threshold lies
+# midway between paper and ink, so ink reaches 2; noise and folds that just pass it do not reach 1.6.
+_CLEAR = 1.6
 
 
 @dataclass(frozen=True, eq=False)
 class Ink:
-    """One colour of a picture. field: above 0 where it is, the rim where it passes through 0."""
+    """One colour of a picture.
+
+    field: above 0 where it is, the rim where it passes through 0. specked: where it is before specks are left
+    out. others: how many more colours of the picture are painted in it.
+    """
 
     colour: Colour
     field: Float[np.ndarray, "rows columns"]
+    specked: Bool[np.ndarray, "rows columns"]
+    others: int = 0
 
 
 def inks_of(pixels: Pixels, settings: RasterSettings) -> list[Ink]:
@@ -42,10 +52,15 @@ def inks_of(pixels: Pixels, settings: RasterSettings) -> list[Ink]:
         [] if settings.colours == 1 or settings.threshold != "auto" else colour_layers(tones, rgb, settings)
     )
     if len(layers) > 1 or (layers and settings.colours):
-        found = [Ink(colour, field) for colour, field in colour_fields(tones, layers)]
+        inks = [tone for tone in layers if not tone.paper]
+        fields = colour_fields(tones, layers)
+        found = [
+            Ink(tone.rgb, field, field > 0, len(tone.labs) - 1)
+            for tone, field in zip(inks, fields, strict=True)
+        ]
     else:
         found = [_one_ink(rgb, tones[..., 0], settings)]
-    cleaned = [Ink(ink.colour, _despeckled(ink.field, settings)) for ink in found]
+    cleaned = [replace(ink, field=_despeckled(ink.field, settings)) for ink in found]
     return [ink for ink in cleaned if (ink.field > 0).any()]
 
 
@@ -62,11 +77,14 @@ def _on_paper(pixels: Pixels, settings: RasterSettings) -> Float[np.ndarray, "ro
 def _one_ink(rgb: np.ndarray, light: np.ndarray, settings: RasterSettings) -> Ink:
     """Ink parted from paper by intensity: one threshold, or one by neighbourhood where light is uneven."""
     threshold, separable = otsu(light)
-    dark = _ink_is_dark(light, threshold, settings)
     local = settings.threshold == "local" or (settings.threshold == "auto" and separable < _SEPARABLE)
     if local:
+        # The side is seen where light and dark part most cleanly, with the slope of the light or without.
+        level = max(light, levelled(light), key=lambda picture: otsu(picture)[1])
+        dark = _ink_is_dark(level, otsu(level)[0], settings)
         field = _local_field(light if dark else 100 - light)
     else:
+        dark = _ink_is_dark(light, threshold, settings)
         field = threshold - light if dark else light - threshold
     inside = field > 0
     if not inside.any() or inside.all():
@@ -78,7 +96,7 @@ def _one_ink(rgb: np.ndarray, light: np.ndarray, settings: RasterSettings) -> In
     grey = lab(rgb[inside])[:, 1:]
     colourless = float(np.median(np.hypot(*grey.T))) < 12
     red, green, blue = (float(c) for c in np.median(rgb[inside], axis=0))
-    return Ink(BLACK if dark and colourless else (red, green, blue), field)
+    return Ink(BLACK if dark and colourless else (red, green, blue), field, inside)
 
 
 def otsu(light: Float[np.ndarray, "rows columns"]) -> tuple[float, float]:
@@ -113,13 +131,13 @@ def border(values: np.ndarray) -> np.ndarray:
 
 
 def _local_field(light: Float[np.ndarray, "rows columns"]) -> Float[np.ndarray, "rows columns"]:
-    """How much darker a pixel is than the paper about it, less a threshold.
+    """How much of the light of the paper about it a pixel lacks [%], less a threshold.
 
-    The paper is the median of a neighbourhood, which shadows follow and lines do not change. Otsu's threshold
-    parts what is darker than it; a patch of ink counts only if some of it is clearly above that.
+    Shares, because ink in a shadow is darker by less. Otsu's threshold parts ink from paper; a patch of ink
+    counts only if some of it is clearly above that.
     """
     smooth = cv2.GaussianBlur(light.astype(np.float32), (0, 0), 0.7)
-    darker = _paper_about(smooth) - smooth
+    darker = 100 * (1 - smooth / paper_about(smooth))
     threshold = otsu(np.clip(darker, 0, None))[0]
     field = darker - threshold
     label, count = ndimage.label(field > 0, structure=np.ones((3, 3)))
@@ -127,17 +145,6 @@ def _local_field(light: Float[np.ndarray, "rows columns"]) -> Float[np.ndarray, 
     faint = np.asarray(peak) < _CLEAR * threshold
     faint[0] = False
     return np.where(faint[label], -1e-3, field)
-
-
-def _paper_about(light: Float[np.ndarray, "rows columns"]) -> Float[np.ndarray, "rows columns"]:
-    """The median of each pixel's neighbourhood, found on a picture of 400 pixels and smoothed."""
-    rows, columns = light.shape
-    scale = min(1.0, 400 / max(rows, columns))
-    size = max(8, round(columns * scale)), max(8, round(rows * scale))
-    small = np.clip(cv2.resize(light, size, interpolation=cv2.INTER_AREA) * 2.55, 0, 255).astype(np.uint8)
-    window = max(15, max(size) // _WINDOW) | 1
-    median = cv2.GaussianBlur(cv2.medianBlur(small, window).astype(np.float32), (0, 0), window / 4)
-    return cv2.resize(median, (columns, rows), interpolation=cv2.INTER_LINEAR) / 2.55
 
 
 def _despeckled(field: Float[np.ndarray, "rows columns"], settings: RasterSettings) -> np.ndarray:

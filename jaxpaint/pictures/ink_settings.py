@@ -16,9 +16,10 @@ class RasterSettings:
 
     style: ink as centre-lines (skeleton), as areas, or as centre-lines where it is line art (auto).
     threshold: one for the whole picture (global, by Otsu), one by neighbourhood (local, for uneven light), or
-    as the picture asks for. ink: the side of the threshold on which it lies; auto: not that of most of the
-    border. colours: inks at most, each a pass (0: as the picture asks for). speck: islands and holes of fewer
-    pixels are left out (negative: one in 150 of the longer side, squared).
+    as the picture asks for; the first two find one ink and no further colours. ink: the side of the threshold
+    on which it lies; auto: not that of most of the border. colours: inks at most, each a pass (0: as the
+    picture asks for). speck: islands and holes of fewer pixels are left out (negative: one in 150 of the
+    longer side, squared).
     """
 
     style: Reading = "auto"
@@ -35,6 +36,9 @@ class RasterSettings:
                 raise InputError(f"{found}; allowed are {', '.join(get_args(allowed))}")
         if not 0 <= self.colours <= 8:
             raise InputError(f"picture colours: found {self.colours}; allowed are 0 (automatic) to 8")
+        if self.threshold != "auto" and self.colours > 1:
+            found = f"picture threshold {self.threshold} with picture colours {self.colours}: found both"
+            raise InputError(f"{found}; allowed is a threshold for one ink, or several colours without one")
 
     def least_speck(self, side: int) -> float:
         """Pixels of the smallest island or hole that is kept; side: pixels of the picture's longer side."""

@@ -13,7 +13,9 @@ from jaxpaint.pictures.palette import MOST
 
 _STARTS = 12  # means that k-means begins with
 _SAMPLE = 20_000  # pixels
-_NEAR = 15.0  # means nearer than this in Lab are one
+# Means nearer than this in Lab are one: more than `palette.NEAR`, since means are measured and a JPEG
+# spreads one colour by some units, where a drawing states it.
+_NEAR = 15.0
 _FLAT = 6.0  # pixels so near to a mean have its tone
 _MOSTLY = 0.9  # share of pixels with the tone of a mean in a picture of flat tones
 _CHROMA = 20.0  # ink further than this from grey is coloured
@@ -23,18 +25,21 @@ _EDGE = 8.0  # change of Lab from pixel to pixel at a blurred edge
 
 @dataclass(frozen=True, eq=False)
 class Tone:
-    """A colour of the palette in Lab and sRGB, and whether it is the paper's."""
+    """A colour of the palette, and whether it is the paper's.
 
-    lab: Float[np.ndarray, "3"]
+    labs: its own Lab, and that of the colours that there was no place for and that are painted in it too.
+    """
+
+    labs: Float[np.ndarray, "colours 3"]
     rgb: Colour
     paper: bool
 
 
 def colour_layers(tones: np.ndarray, rgb: np.ndarray, settings: RasterSettings) -> list[Tone]:
-    """The palette of a picture with its paper, or nothing where it has one ink of no clear colour.
+    """The palette of a picture, its paper first, or nothing where it has one ink of no clear colour.
 
-    Means come from pixels that lie on no edge, where colours mix. The paper is the mean of most
-    of the border.
+    Means come from pixels that lie on no edge, where colours mix. The paper is the mean of most of the
+    border. Colours beyond the number of inks, the rarer ones, are painted in the ink that is nearest to them.
     """
     flat = tones[~_edges(tones)]
     if len(flat) < 100:
@@ -53,16 +58,23 @@ def colour_layers(tones: np.ndarray, rgb: np.ndarray, settings: RasterSettings) 
     if not len(others) or not (settings.colours or coloured or (is_flat and len(others) > 1)):
         return []
     most = settings.colours or MOST
-    others = others[np.argsort(-share[others], kind="stable")][:most]
-    return [Tone(means[k], _rgb(means[k], tones, rgb), k == paper) for k in [paper, *others]]
+    others = others[np.argsort(-share[others], kind="stable")]
+    kept, left = means[others[:most]], means[others[most:]]
+    inks = np.concatenate([np.arange(len(kept)), _assigned(left, kept)[0].argmin(axis=1)])
+    palette = [Tone(means[[paper]], _rgb(means[paper], tones, rgb), True)]
+    for k, mean in enumerate(kept):
+        palette.append(Tone(means[others[inks == k]], _rgb(mean, tones, rgb), False))
+    return palette
 
 
-def colour_fields(tones: np.ndarray, palette: list[Tone]) -> Iterator[tuple[Colour, np.ndarray]]:
-    """For each colour but the paper, how much nearer a pixel is to it than to any other, in Lab.
+def colour_fields(tones: np.ndarray, palette: list[Tone]) -> Iterator[np.ndarray]:
+    """In turn for each colour but the paper, how much nearer a pixel is to it than to any other, in Lab.
 
     At an edge only colours that lie beside it count: between black and white there is no grey ink.
     """
-    distance = np.stack([np.linalg.norm(tones - tone.lab, axis=-1) for tone in palette])
+    distance = np.stack(
+        [np.min([np.linalg.norm(tones - one, axis=-1) for one in tone.labs], axis=0) for tone in palette]
+    )
     core = distance < _EDGE
     window = np.ones((5, 5), np.uint8)
     beside = np.stack([cv2.dilate(mask.astype(np.uint8), window) > 0 for mask in core])
@@ -74,8 +86,7 @@ def colour_fields(tones: np.ndarray, palette: list[Tone]) -> Iterator[tuple[Colo
     for k, tone in enumerate(palette):
         if not tone.paper:
             second = np.where(usable[k] <= order[0], order[1] if len(palette) > 1 else 50.0, order[0])
-            field = np.clip(second - usable[k], -50.0, 50.0)
-            yield tone.rgb, field
+            yield np.clip(second - usable[k], -50.0, 50.0)
 
 
 def _edges(tones: np.ndarray) -> np.ndarray:
@@ -119,7 +130,7 @@ def _merged(sample: np.ndarray, centres: np.ndarray) -> np.ndarray:
 def _assigned(sample: np.ndarray, means: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Distances of pixels to means, and the share of the pixels that is nearest to each."""
     distance = np.linalg.norm(sample[:, None] - means, axis=-1)
-    return distance, np.bincount(distance.argmin(axis=1), minlength=len(means)) / len(sample)
+    return distance, np.bincount(distance.argmin(axis=1), minlength=len(means)) / max(1, len(sample))
 
 
 def _rgb(mean: np.ndarray, tones: np.ndarray, rgb: np.ndarray) -> Colour:

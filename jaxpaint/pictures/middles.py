@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 from shapely.geometry.base import BaseGeometry
 
-from jaxpaint.pictures.drawing import Polyline, is_closed, polyline_length
+from jaxpaint.pictures.drawing import Polyline, at_least, is_closed, polyline_length
 from jaxpaint.pictures.regions import polygons
 from jaxpaint.pictures.skeleton import CentreLine, centre_lines, half_width, sampled
 
@@ -18,7 +18,6 @@ _MOST = 16_000_000  # pixels
 _SUBPIXEL = 4  # fractional bits of cv2's polygons
 _CORNER = 0.25  # of the radius: less deep bare tips, such as of right angles, get no stroke
 _GAP = 1.0  # of the radius: needed parts of one line nearer than this are painted as one
-_DAB = 2e-3  # shortest stroke [m]
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +59,7 @@ def middle_lines(middles: Middles, radius: float, inset: float) -> list[Polyline
         for line in centre_lines(shell, line_art=False)
         for part in _needed(line, fields, radius / cell, inset / cell)
     ]
-    return [_at_least(line, _DAB) for line in lines]
+    return [at_least(line) for line in lines]
 
 
 def _polygons(regions: Sequence[BaseGeometry]) -> list:
@@ -130,12 +129,3 @@ def _trimmed(points: Polyline, start: float, end: float) -> Polyline | None:
     inner = along[(along > start) & (along < along[-1] - end)]
     s = np.concatenate([[start], inner, [along[-1] - end]])
     return np.stack([np.interp(s, along, points[:, axis]) for axis in (0, 1)], axis=1)
-
-
-def _at_least(line: Polyline, length: float) -> Polyline:
-    """A line drawn out to a length where it is shorter."""
-    middle, span = (line[0] + line[-1]) / 2, float(np.linalg.norm(line[-1] - line[0]))
-    if polyline_length(line) >= length:
-        return line
-    along = (line[-1] - line[0]) / span if span > 1e-9 else np.array([1.0, 0.0])
-    return middle + np.outer([-length / 2, length / 2], along)

@@ -37,13 +37,9 @@ def merged(
     `most`; a group has the colour of its heaviest member, so that a colour of the picture is kept.
     """
     distinct, member = np.unique(np.round(np.array(colours) * 63), axis=0, return_inverse=True)
-    if len(distinct) == 1:
-        group = np.zeros(1, dtype=int)
-    else:
-        tree = linkage(lab(distinct / 63), "average")
-        group = fcluster(tree, near, "distance") - 1
-        if group.max() >= most:
-            group = fcluster(tree, most, "maxclust") - 1
+    group = _groups(distinct / 63, near)
+    if group.max() >= most:
+        group = fcluster(linkage(lab(distinct / 63), "average"), most, "maxclust") - 1
     place = group[member.ravel()]
     weight = np.array(weights)
     heaviest = [int(np.where(place == k, weight, -1.0).argmax()) for k in range(place.max() + 1)]
@@ -52,3 +48,16 @@ def merged(
     rank = np.empty_like(order)
     rank[order] = np.arange(len(order))
     return tuple((float(r), float(g), float(b)) for r, g, b in palette[order]), rank[place]
+
+
+def too_many(colours: Sequence[Colour], *, near: float = NEAR, most: int = MOST) -> int:
+    """How many colours lose their own place in a palette because there are more than `most`."""
+    distinct = np.unique(np.round(np.array(colours) * 63), axis=0)
+    return max(0, int(_groups(distinct / 63, near).max()) + 1 - most)
+
+
+def _groups(distinct: Float[np.ndarray, "n 3"], near: float) -> Int[np.ndarray, " n"]:
+    """The group of each colour, from 0: those whose means are nearer than `near`."""
+    if len(distinct) == 1:
+        return np.zeros(1, dtype=int)
+    return fcluster(linkage(lab(distinct), "average"), near, "distance") - 1

@@ -5,6 +5,7 @@ from collections import Counter
 from dataclasses import dataclass, replace
 
 import numpy as np
+import shapely
 import svgelements
 from jaxtyping import Float
 
@@ -12,6 +13,8 @@ from jaxpaint.errors import InputError
 from jaxpaint.pictures.curves import Curve
 from jaxpaint.pictures.drawing import Colour
 from jaxpaint.pictures.markup import MAX_DEPTH, MAX_ELEMENTS, Element, excerpt
+from jaxpaint.pictures.palette import alike
+from jaxpaint.pictures.regions import filled
 from jaxpaint.pictures.shapes import MAX_NUMBER, TAGS, curves_of, length, symbols_in
 from jaxpaint.pictures.style import Paint, cascade, is_shown, paint
 from jaxpaint.pictures.stylesheet import Style, StyleSheet
@@ -23,6 +26,9 @@ MAX_LINES = 20_000
 _FUNCTION = r"(?:matrix|translate[XY]?|scale[XY]?|rotate|skew[XY])\s*\((?:[\s\d.,eE+-]|deg|g?rad|turn|px)*\)"
 _TRANSFORMS = re.compile(rf"(?:[\s,]*{_FUNCTION})*[\s,]*")
 _PAGE = (300.0, 150.0)  # what CSS gives a picture that states no size
+_WHOLE = 0.98  # of the page: a shape that fills so much of it is paper; its corners may be round
+_SIDES = 100  # segments of an outline: paper has few, and looking at it must stay cheap
+_WHITE: Colour = (1.0, 1.0, 1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,13 +71,15 @@ class SvgReader:
     def __init__(self, root: Element):
         self.ink: list[Ink] = []
         self.ignored: Counter[str] = Counter()
-        self.paper: Colour = (1.0, 1.0, 1.0)
+        self.paper: Colour = _WHITE
         elements = list(root.walk())
         self._sheet = _style_sheet(elements)
         self._by_id = {element.attributes.get("id", ""): element for element in reversed(elements)}
         self._visits = self._symbols = self._curves = 0
         self._page: Float[np.ndarray, "2 2"] | None = None
+        self._background: Ink | None = None
         self._visit(root, _Place(np.eye(3), _page_size(root), {}))
+        self._keep_bare_page()
 
     def _visit(self, element: Element, parent: _Place):
         """One element below its parent: nothing if it cannot show, else what its kind asks for."""
@@ -159,24 +167,32 @@ class SvgReader:
         fill = shows.fill if areas else None
         if not (fill or shows.stroke):
             return
-        if fill and not shows.stroke and not self.ink and self._is_page(curves):
-            self.paper = fill
+        scale = float(np.sqrt(abs(np.linalg.det(place.matrix[:2, :2]))))
+        ink = Ink(curves, fill, shows.stroke, shows.rule, shows.width * scale)
+        self.ignored.update(["gradient"] if shows.unresolved else [])
+        if fill and not shows.stroke and not self.ink and self._is_page(ink):
+            # The black that stands for a gradient would swallow black ink.
+            self.paper, self._background = _WHITE if shows.unresolved else fill, ink
             self.ignored["background"] += 1
             return
-        self.ignored.update(["gradient"] if shows.unresolved else [])
-        scale = float(np.sqrt(abs(np.linalg.det(place.matrix[:2, :2]))))
-        self.ink.append(Ink(curves, fill, shows.stroke, shows.rule, shows.width * scale))
+        self.ink.append(ink)
 
-    def _is_page(self, curves: tuple[Curve, ...]) -> bool:
-        """Whether a shape spans the whole page: paper that a program laid under its picture."""
-        if len(curves) != 1 or self._page is None:
+    def _is_page(self, ink: Ink) -> bool:
+        """Whether a shape covers the whole page: paper that a program laid under its picture."""
+        if len(ink.curves) != 1 or self._page is None or len(ink.curves[0].controls) > _SIDES:
             return False
-        points = curves[0].controls.reshape(-1, 2)
-        slack = 0.01 * np.ptp(self._page, axis=0)
-        return bool(
-            (points.min(axis=0) <= self._page[0] + slack).all()
-            and (points.max(axis=0) >= self._page[1] - slack).all()
-        )
+        outline = ink.curves[0].closing()
+        page = shapely.box(*self._page.ravel())
+        covered = filled([outline.flattened(1e-4 * _span(outline))], ink.rule).intersection(page)
+        return bool(covered.area >= _WHOLE * page.area)
+
+    def _keep_bare_page(self):
+        """A page in a colour with nothing else on it is the picture itself, on white paper."""
+        colours = [colour for ink in self.ink for colour in (ink.fill, ink.stroke) if colour is not None]
+        if self._background is not None and all(alike(colour, self.paper) for colour in colours):
+            self.ink.insert(0, self._background)
+            self.paper = _WHITE
+            del self.ignored["background"]
 
 
 def _span(curve: Curve) -> float:

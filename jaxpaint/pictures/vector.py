@@ -26,15 +26,14 @@ def vector_drawing(reader: SvgReader, name: str) -> Drawing:
     """The ink with v up, each line once. Raises InputError where there is nothing or too much to draw."""
     size = _size(reader.ink)
     _check_points(reader.ink, _TOLERANCE * size)
+    lines = _lines_of(reader, size)
     layers: list[Layer] = []
-    known: set[bytes] = set()
-    for ink in reader.ink:
+    for ink, mine in zip(reader.ink, lines, strict=True):
         if ink.fill is not None:
             layers.append(Layer(ink.fill, _area(ink, size)))
         if ink.stroke is not None:
-            lines = _new_lines(ink, size, known, reader)
-            covers = _covered(lines, ink.width) if alike(ink.stroke, reader.paper) else shapely.Polygon()
-            layers.append(Layer(ink.stroke, shapely.Polygon(), lines, covers))
+            covers = _covered(mine, ink.width) if alike(ink.stroke, reader.paper) else shapely.Polygon()
+            layers.append(Layer(ink.stroke, shapely.Polygon(), mine, covers))
     return laid(layers, reader.paper, name, reader.ignored)
 
 
@@ -48,21 +47,30 @@ def _covered(lines: tuple[Polyline, ...], width: float) -> BaseGeometry:
     return shapely.unary_union([shapely.LineString(line).buffer(width / 2) for line in lines])
 
 
-def _new_lines(ink: Ink, size: float, known: set[bytes], reader: SvgReader) -> tuple[Polyline, ...]:
-    """The curves of a shape as lines, those left out that were drawn before; dots are none."""
-    lines = []
-    for curve in ink.curves:
-        line = _polyline(curve, size)
-        if len(line) < 2:
-            reader.ignored["dot"] += 1
-            continue
-        key = _identity(line, size)
-        if key in known:
-            reader.ignored["duplicate"] += 1
-            continue
-        known.add(key)
-        lines.append(line)
-    return tuple(lines)
+def _lines_of(reader: SvgReader, size: float) -> list[tuple[Polyline, ...]]:
+    """Per shape its lines, each only where it is drawn last, which is what is seen of it; dots are none."""
+    drawn: list[list[Polyline]] = [[] for _ in reader.ink]
+    shown: dict[bytes, tuple[int, int]] = {}
+    for i, ink in enumerate(reader.ink):
+        for curve in ink.curves if ink.stroke is not None else ():
+            line = _polyline(curve, size)
+            if len(line) < 2:
+                reader.ignored["dot"] += 1
+                continue
+            key = _identity(line, size)
+            if key in shown:
+                reader.ignored["duplicate"] += 1
+            if key not in shown or _hides(ink, reader.ink[shown[key][0]], reader):
+                shown[key] = i, len(drawn[i])
+            drawn[i].append(line)
+    kept = set(shown.values())
+    return [tuple(line for j, line in enumerate(of) if (i, j) in kept) for i, of in enumerate(drawn)]
+
+
+def _hides(upper: Ink, lower: Ink, reader: SvgReader) -> bool:
+    """Whether a line takes the place of the same one below it: paper leaves rims of a wider one."""
+    assert upper.stroke is not None
+    return not alike(upper.stroke, reader.paper) or upper.width >= lower.width
 
 
 def _size(ink: list[Ink]) -> float:

@@ -10,10 +10,12 @@ from jaxpaint.pictures.drawing import Polyline, is_closed, polyline_length
 from jaxpaint.pictures.routes import greedy_route, painted, shortened
 
 WIDTH = 0.36
-"""Of a column at most [m]: what an arm on a parked base reaches in comfort."""
+"""Of a column at most [m]: what the reference robot's arm reaches in comfort from a parked base. Another arm
+wants another width: `plan_strokes` takes it as `column`."""
 
 REACH = 0.19
-"""How far to either side of a parked base its arm paints [m]."""
+"""How far to either side of a parked base the reference robot's arm paints [m]. It only chooses between two
+orders, so another arm's paints no worse, at most with more driving."""
 
 _SHORTEST = 0.1  # [m]: a shorter part of a line stays with the column that it comes from
 

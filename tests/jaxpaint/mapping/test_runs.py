@@ -67,6 +67,17 @@ def test_short_runs_are_dropped_and_counted():
     assert status[11] == Cause.SHORT and np.sum(status == Cause.SHORT) == 1
 
 
+def test_a_whole_stroke_is_painted_however_short():
+    """Two points 4 mm apart; but not one that was cut, nor one that has no length at all."""
+    stroke = np.repeat([0, 1, 2, 3, 4], [20, 2, 3, 2, 33])
+    status = np.where(np.arange(NUMBER) == 22, Cause.MISS, 0)
+    mapped = straight(status)
+    still = mapped.p_map.at[26].set(mapped.p_map[25])
+    ends, status, _ = runs_of(Mapped(still, mapped.normal, mapped.status), stroke)
+    assert ends == [(0, 19), (20, 21), (27, NUMBER - 1)]
+    np.testing.assert_array_equal(status[20:27], [0, 0, Cause.MISS, *[Cause.SHORT] * 4])
+
+
 def test_runs_without_room_are_reported():
     ends, status, _ = runs_of(straight(), stroke=np.arange(NUMBER) // 10, most=4)
     assert ends == [(0, 9), (10, 19), (20, 29), (30, 39)]

@@ -172,6 +172,20 @@ def test_runs_beyond_the_room_are_reported():
     assert set(walk.run[walk.pen == 1]) == {0, 1, 2, 3}
 
 
+def test_a_dab_is_the_brush_pressed_down_and_lifted(kind):
+    """Two points 2 mm apart between two strokes: some tenths of a second on the spot."""
+    x = np.linspace(0, 0.15, 59)
+    u, v = np.concatenate([x - 0.55, [-0.201, -0.199], 0.4 + x]), np.repeat([0.0, 0.1, 0.0], [59, 2, 59])
+    point, normal = SURFACES[kind](u, v)
+    mapped = Mapped(jnp.asarray(point), jnp.asarray(normal), jnp.zeros(NUMBER, jnp.int32))
+    path, walk = walked(kind, mapped, jnp.asarray(np.repeat([0, 1, 2], [59, 2, 59])))
+    assert int(path.runs.live.sum()) == 3 and not path.status.any()
+    dab = (walk.run == 1) & (walk.pen == 1)
+    assert 0.2 < dab.sum() * DT < 1.0
+    np.testing.assert_allclose(walk.position[dab] - point[59:61].mean(axis=0), 0, atol=1.1e-3)
+    assert height(kind, walk.position[walk.run == 1]).max() > 0.02
+
+
 def test_nothing_to_paint_takes_no_time():
     mapped, _ = drawing("flat")
     path, walk = walked("flat", Mapped(mapped.p_map, mapped.normal, mapped.status + Cause.MISS))

@@ -8,6 +8,7 @@ from jaxpaint.pictures import fit, plan_strokes, read_drawing
 from jaxpaint.pictures.palette import MOST, merged
 from jaxpaint.pictures.regions import region_of
 
+FILLED = 'fill="red" stroke="none"'
 RECT = '<rect x="{}" y="{}" width="{}" height="{}" fill="{}" stroke="none"/>'
 
 
@@ -56,6 +57,35 @@ def test_a_fill_hides_the_line_below_it_but_not_the_one_above(draw):
     assert [np.ptp(part[:, 0]) for part in above.lines] == pytest.approx([80])
 
 
+def line(colour: str, width: float, data: str = "M10 20L60 50") -> str:
+    return f'<path d="{data}" stroke="{colour}" stroke-width="{width}"/>'
+
+
+@pytest.mark.parametrize(
+    ("below", "above", "seen"),
+    [
+        (line("white", 6), line("black", 2), (0, 0, 0)),
+        (line("red", 2), line("blue", 2), (0, 0, 1)),
+        (line("red", 2), line("blue", 2, "M60 50L10 20"), (0, 0, 1)),
+        (line("black", 6), line("white", 2), (0, 0, 0)),  # a road between its rims
+    ],
+)
+def test_of_a_line_drawn_again_the_topmost_is_seen(draw, below, above, seen):
+    drawing = draw(below + above)
+    assert (len(drawing.lines), drawing.colours, drawing.ignored) == (1, (seen,), {"duplicate": 1})
+    assert np.ptp(drawing.lines[0][:, 0]) == pytest.approx(50)
+
+
+def test_a_line_under_the_same_one_of_paper_is_hidden(draw):
+    with pytest.raises(InputError, match="nothing to draw"):
+        draw(line("red", 2) + line("white", 2))
+
+
+def test_a_line_drawn_again_over_what_hid_it_is_seen(draw):
+    drawing = draw(line("red", 2) + rect(0, 0, 100, 90, "yellow") + line("red", 2))
+    assert len(drawing.lines) == 1 and len(drawing.colours) == 2
+
+
 def test_a_line_along_the_rim_of_what_covers_it_stays(draw):
     drawing = draw('<path d="M10 20H30"/>' + rect(10, 20, 20, 20, "yellow"))
     assert len(drawing.lines) == 1 and np.ptp(drawing.lines[0][:, 0]) == pytest.approx(20)
@@ -64,6 +94,28 @@ def test_a_line_along_the_rim_of_what_covers_it_stays(draw):
 def test_what_is_covered_completely_is_not_there(draw):
     drawing = draw(rect(10, 10, 5, 5, "red") + rect(0, 0, 40, 40, "blue"))
     assert drawing.colours == ((0, 0, 1),) and len(drawing.areas) == 1
+
+
+@pytest.mark.parametrize(
+    "cover",
+    [
+        '<circle cx="49.7" cy="49.9" r="30" transform="translate(.3 .1)" {}/>',
+        '<path d="M20 50A30 30 0 0 1 50 20A30 30 0 0 1 80 50A30 30 0 0 1 35 75.98A30 30 0 0 1 20 50" {}/>',
+        '<circle cx="50.0003" cy="50" r="30" {}/>',
+    ],
+)
+def test_what_is_covered_but_for_rounding_has_no_pass_of_its_own(draw, cover):
+    drawing = draw('<circle cx="50" cy="50" r="30" fill="black" stroke="none"/>' + cover.format(FILLED))
+    assert drawing.colours == ((1, 0, 0),) and len(drawing.areas) == 1
+
+
+def test_what_covers_nearly_all_leaves_a_rim_and_a_hairline_stays(draw):
+    crescent = (
+        '<circle cx="50" cy="50" r="30" fill="black" stroke="none"/><circle cx="50" cy="50.1" r="30" {}/>'
+    )
+    assert len(draw(crescent.format(FILLED)).colours) == 2
+    hairline = rect(0, 50, 100, 0.01, "black") + rect(20, 20, 40, 60, "red")
+    assert [area.colour for area in draw(hairline).areas] == [0, 1, 1]
 
 
 def test_all_of_the_papers_colour_is_nothing_to_draw(draw):
@@ -102,6 +154,13 @@ def test_palettes_have_few_colours():
     many = [tuple(c) for c in np.random.default_rng(0).uniform(0, 1, (200, 3))]
     palette, place = merged(many, [1.0] * 200)
     assert len(palette) <= MOST and set(place) == set(range(len(palette))) and set(palette) <= set(many)
+
+
+def test_colours_beyond_the_palette_are_counted(draw):
+    hues = [f"hsl({360 * k / 11:.0f}, 100%, 50%)" for k in range(11)]
+    drawing = draw("".join(rect(9 * k, 0, 8, 8, hue) for k, hue in enumerate(hues)))
+    # Two of the greens look alike and count as one.
+    assert (len(drawing.areas), len(drawing.colours), drawing.ignored) == (11, MOST, {"colour": 2})
 
 
 @pytest.mark.realdata

@@ -1,8 +1,11 @@
 """Ink from pixels: which side is ink, uneven light, colours, sub-pixel rims, line art."""
 
+import colorsys
+
 import cv2
 import numpy as np
 import pytest
+import shapely
 from PIL import Image, ImageDraw
 from scipy.ndimage import gaussian_filter
 
@@ -86,6 +89,45 @@ def test_uneven_light_is_followed(saved):
     assert abs(area_of(globally) - wanted) > 0.5 * wanted
 
 
+def slope(rows: int, columns: int) -> np.ndarray:
+    return np.linspace(1.0, 0.5, columns) * np.ones((rows, 1))
+
+
+def vignette(rows: int, columns: int) -> np.ndarray:
+    v, u = np.mgrid[:rows, :columns]
+    return 1 - 0.6 * ((u - 0.45 * columns) ** 2 + (v - 0.55 * rows) ** 2) / (0.625 * columns) ** 2
+
+
+@pytest.mark.parametrize("light", [slope, vignette])
+@pytest.mark.parametrize(
+    ("turned", "radius", "middle"),
+    [
+        (False, 40, (200, 150)),
+        (False, 90, (200, 150)),
+        (False, 90, (60, 70)),
+        (True, 40, (200, 150)),
+        (True, 90, (200, 150)),
+    ],
+)
+def test_solid_ink_in_uneven_light_is_whole(saved, light, turned, radius, middle):
+    """Discs far wider than the neighbourhood in which shadows are followed, dark ones and bright ones."""
+    v, u = np.mgrid[:300, :400]
+    ink = np.hypot(u - middle[0], v - middle[1]) < radius
+    tones = np.where(ink, 0.9, 0.2) if turned else np.where(ink, 0.2, 1.0)
+    page = gaussian_filter(light(300, 400) * tones, 0.6)
+    settings = RasterSettings(style="area", threshold="local")
+    assert area_of(read_drawing(saved(page), settings)) == pytest.approx(ink.sum(), rel=0.02)
+
+
+def test_shadows_are_followed(saved):
+    """A soft shadow over a corner, in which paper is as dark as half of the light makes it."""
+    shadow = np.ones((260, 400))
+    shadow[120:, 150:] = 0.5
+    page = gaussian_filter(gaussian_filter(shadow, 8) * (0.25 + 0.75 * lettering()), 0.6)
+    drawing = read_drawing(saved(page), RasterSettings(style="area", threshold="local"))
+    assert area_of(drawing) == pytest.approx((lettering() < 0.5).sum(), rel=0.05)
+
+
 def test_specks_are_left_out(saved):
     rng = np.random.default_rng(1)
     page = disc()
@@ -127,6 +169,22 @@ def test_a_photograph_of_colours_has_the_same_passes(saved):
 def test_fewer_colours_on_demand(saved):
     assert len(read_drawing(saved(flag()), RasterSettings(colours=2)).colours) == 2
     assert len(read_drawing(saved(flag()), RasterSettings(colours=1)).colours) == 1
+
+
+@pytest.mark.parametrize(("count", "colours", "lost"), [(12, 3, 8), (12, 0, 3), (5, 0, 0)])
+def test_colours_without_an_ink_are_painted_in_the_nearest(saved, count, colours, lost):
+    """Hues in boxes on white; of three inks none is as near to cyan as the paper is."""
+    page = np.ones((220, 400, 3))
+    corners = [(15 + k // 5 * 70, 20 + k % 5 * 75) for k in range(count)]
+    for k, (row, column) in enumerate(corners):
+        page[row : row + 50, column : column + 55] = colorsys.hsv_to_rgb(k / count, 1, 1)
+    drawing = read_drawing(saved(page), RasterSettings(colours=colours))
+    ink = shapely.unary_union([region_of(area) for area in drawing.areas])
+    boxes = [shapely.box(column, -row - 50, column + 55, -row) for row, column in corners]
+    assert min(ink.intersection(box).area / box.area for box in boxes) > 0.95
+    assert drawing.ignored == ({"colour": lost} if lost else {})
+    # Twelve tones are told apart at most, and one of them is the paper.
+    assert len(drawing.colours) == min(11, count) - lost
 
 
 def test_line_art_is_read_as_lines_straight_through_the_crossing(saved):
@@ -171,6 +229,11 @@ def test_real_pictures(shared_data):
         ({"threshold": "x"}, "picture threshold: found 'x'; allowed are auto, global, local"),
         ({"ink": "pink"}, "picture ink: found 'pink'; allowed are auto, dark, light"),
         ({"colours": 9}, "picture colours: found 9; allowed are"),
+        (
+            {"colours": 3, "threshold": "global"},
+            "picture threshold global with picture colours 3: found both",
+        ),
+        ({"colours": 2, "threshold": "local"}, "picture threshold local with picture colours 2: found both"),
     ],
 )
 def test_impossible_settings(saved, options, message):

@@ -118,6 +118,50 @@ def test_paper_under_the_picture_is_not_ink(draw):
     assert len(draw(f'<path d="{SQUARE}"/>{paper.replace("#FFFFFF", "blue")}').areas) == 1
 
 
+@pytest.mark.parametrize(
+    "shape",
+    [
+        '<circle cx="50" cy="50" r="50" fill="{}" stroke="none"/>',
+        '<path d="M0 100L50 0L100 100z" fill="{}" stroke="none"/>',
+        '<path d="M0 0H100V100H0zM40 40h20v20h-20z" fill="{}" fill-rule="evenodd" stroke="none"/>',
+    ],
+)
+def test_a_shape_that_only_reaches_the_sides_of_the_page_is_ink(draw, shape):
+    alone = draw(shape.format("black"))
+    assert (len(alone.areas), alone.colours, alone.ignored) == (1, ((0, 0, 0),), {})
+    under = draw(
+        shape.format("red") + '<rect x="45" y="70" width="9" height="9" fill="white" stroke="none"/>'
+    )
+    assert under.colours == ((1, 0, 0),) and len(under.areas[0].rings) > len(alone.areas[0].rings)
+
+
+@pytest.mark.parametrize(
+    "paper",
+    [
+        '<rect x="-9" y="-9" width="200" height="118"/>',
+        '<rect width="100" height="100" rx="9"/>',
+        '<rect x="2" y="2" width="4" height="4" transform="scale(25) translate(-2 -2)"/>',
+    ],
+)
+def test_paper_may_be_larger_round_at_its_corners_or_moved(draw, paper):
+    drawing = draw(f'<g fill="blue" stroke="none">{paper}</g><path d="{SQUARE}" stroke="white"/>')
+    assert (drawing.ignored, drawing.areas, drawing.colours) == ({"background": 1}, (), ((1, 1, 1),))
+
+
+def test_a_page_in_a_colour_with_nothing_on_it_is_the_picture(draw):
+    page = '<rect width="100%" height="100%" fill="blue" stroke="none"/>'
+    for more in ("", f'<path d="{SQUARE}" fill="blue" stroke="none"/>'):
+        drawing = draw(page + more)
+        assert (drawing.colours, len(drawing.areas), drawing.ignored) == (((0, 0, 1),), 1, {})
+
+
+def test_black_on_a_page_with_a_gradient_is_ink(draw):
+    page = '<rect width="100%" height="100%" fill="url(#g)" stroke="none"/>'
+    drawing = draw(f'{page}<path d="{SQUARE}"/>')
+    assert (len(drawing.lines), drawing.areas) == (1, ())
+    assert drawing.ignored == {"background": 1, "gradient": 1}
+
+
 def test_a_frame_drawn_round_the_page_is_ink(draw):
     framed = '<rect width="100%" height="100%" fill="white" stroke="black"/>'
     assert len(draw(f'{framed}<path d="{SQUARE}"/>').lines) == 2
