@@ -22,6 +22,7 @@ from jaxpaint.pictures import (
     fit,
     plan_strokes,
     read_drawing,
+    reading_notes,
 )
 from jaxpaint.pictures.fills import Style
 from jaxpaint.pictures.ink_settings import Reading, Side, Threshold
@@ -102,12 +103,13 @@ def paint_task(options: PaintOptions) -> PaintTask:
     outlines = options.fill == "outline"
     wanted = wanted_area(drawing, scene, canvas, extent, options.brush_radius, outlines=outlines)
     chosen = resolved(options, place.found)
-    return PaintTask(job, drawing, strokes, grid, wanted, views, _notes(place), chosen)
+    notes = _notes(place, drawing, strokes)
+    return PaintTask(job, drawing, strokes, grid, wanted, views, notes, chosen)
 
 
-def _notes(place: Placed) -> tuple[str, ...]:
+def _notes(place: Placed, drawing: Drawing, strokes: Strokes) -> tuple[str, ...]:
     """What to tell the user of the inputs, one sentence each: every note that is known before painting."""
-    return place.notes
+    return (*place.notes, *reading_notes(drawing, strokes))
 
 
 def _fill(options: PaintOptions) -> FillSettings:
