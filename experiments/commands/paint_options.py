@@ -71,8 +71,8 @@ class PaintOptions(RunOptions):
     ink: Annotated[str, allowed.choice("auto", "dark", "light")] = "auto"
     """Side of the threshold that is ink; auto: what most of the picture's border is not."""
     colours: Annotated[int, allowed.whole("N", at_least=0, at_most=8)] = 0
-    """Most colours that a PNG or JPEG is painted in, each a pass; 0: as many as it shows. More than one is told
-    apart by colour, not by a --threshold."""
+    """Most colours that a PNG or JPEG is painted in, each a pass; 0: as many as it shows. More than one
+    are told apart by colour, not by a --threshold."""
     tool_change_time: Annotated[float, allowed.number("S", at_least=0)] = 10.0
     """Time that a change of colour takes, the brush away from the wall [s]."""
     robot: Annotated[Path | None, allowed.file(".xml", ".urdf", unset="the reference robot")] = None
