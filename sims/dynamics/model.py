@@ -8,7 +8,7 @@ import numpy as np
 from jaxpaint.kinematics import Inertia
 from sims.robots.inertia import inertia_from_model, torque_limits
 from sims.robots.model import find, joints_to, link_frames
-from sims.robots.servos import velocity_servo
+from sims.robots.servos import damping_of, velocity_servo
 
 # Of a joint that no velocity servo of the file drives: the time constant of ours on the joint's own inertia
 # with all joints at 0 [s], and its force limit where the file sets none [N or N m].
@@ -21,8 +21,9 @@ def planar_model(model: mujoco.MjModel, site: str = "brush") -> mujoco.MjModel:
 
     What rides on a link is part of it; joints beside the chain (wheels) are rigid, at zero. Positions are
     those of the robot's chain. Servo i pulls with ctrl - kp q - kv v: kv is that of the file's velocity servo
-    on the joint, else it follows from the inertia; kp is 0. MJX wants few solver iterations; there is nothing
-    to solve here, since nothing touches and the controllers mind the joints' ranges.
+    on the joint, seen behind its gear, else it follows from the inertia; kp is 0. MJX wants few solver
+    iterations; there is nothing to solve here, since nothing touches and the controllers mind the joints'
+    ranges.
     """
     joints = joints_to(model, int(model.site_bodyid[find(model, mujoco.mjtObj.mjOBJ_SITE, site)]))
     spec = _bare_spec(model)
@@ -104,7 +105,7 @@ def _fill_servos(planar: mujoco.MjModel, model: mujoco.MjModel, joints: Sequence
     mujoco.mj_fullM(planar, data, full)
     for i, (j, limit) in enumerate(zip(joints, torque_limits(model, joints), strict=True)):
         servo = velocity_servo(model, j)
-        gain = full[i, i] / _TIME_CONSTANT if servo is None else -model.actuator_biasprm[servo, 2]
+        gain = full[i, i] / _TIME_CONSTANT if servo is None else damping_of(model, servo)
         planar.actuator_gainprm[i, 0] = 1
         planar.actuator_biasprm[i, :3] = 0, 0, -gain
         if np.isfinite(limit):

@@ -69,3 +69,12 @@ def test_equal_models_are_one_program():
     a, b = (Engine(planar_model(robot_model())) for _ in range(2))
     other = Engine(planar_model(robot_model(ROBOTS / "mecanum.xml")))
     assert a == b and hash(a) == hash(b) and a != other
+
+
+def test_a_gear_multiplies_a_servos_gain_by_its_square():
+    model = robot_model()
+    servo = model.actuator("elbow").id
+    model.actuator_gear[servo, 0] = -10
+    physics = physics_of(planar_model(model))
+    np.testing.assert_allclose(physics.velocity_gain[5], 100 * 800)
+    np.testing.assert_allclose(physics.force_limit[5], 10 * 150)
