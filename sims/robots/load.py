@@ -11,7 +11,7 @@ from jaxpaint.errors import InputError
 from jaxpaint.kinematics import KinematicChain, Pose, frames
 from sims.robots.body import footprint_from_model, spheres_from_model
 from sims.robots.home import painting_posture
-from sims.robots.inertia import inertia_from_model, torque_limits
+from sims.robots.inertia import inertia_from_model, torque_limits, weight_at
 from sims.robots.model import body_frames, chain_from_model, find, joints_to, matrix, numeric
 from sims.robots.read import BRUSH, CAMERA, LIDAR, REFERENCE, robot_model
 from sims.robots.robot import Robot
@@ -65,6 +65,7 @@ def robot_from_model(model: mujoco.MjModel) -> Robot:
         raise InputError("no keyframe named 'home'; it gives the arm's painting posture")
     if home is None:
         home = painting_posture(chain, spheres, lower, upper, float(footprint[:, 0].max()))
+    _check_weight(model, arm, home)
     return Robot(
         chain=chain,
         home=jnp.asarray(home),
@@ -115,6 +116,18 @@ def _home(model: mujoco.MjModel, joints: Sequence[int]) -> np.ndarray | None:
     """The arm's part of the keyframe `home`, None where there is none."""
     key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, "home")
     return None if key < 0 else model.key_qpos[key][model.jnt_qposadr[joints]]
+
+
+def _check_weight(model: mujoco.MjModel, arm: Sequence[int], home: np.ndarray) -> None:
+    """The motors must hold the arm still at home: no plan could begin there."""
+    limits = torque_limits(model, arm)
+    for j, torque, limit in zip(arm, weight_at(model, arm, home), limits, strict=True):
+        if not abs(torque) <= limit:
+            unit = "N m" if int(model.jnt_type[j]) == int(mujoco.mjtJoint.mjJNT_HINGE) else "N"
+            raise InputError(
+                f"at home the weight on joint '{model.joint(j).name}' asks for {abs(torque):.3g} {unit}; "
+                f"allowed: its limit of {limit:g} {unit}, or less"
+            )
 
 
 def _speed_limits(model: mujoco.MjModel, joints: Sequence[int]) -> np.ndarray:
