@@ -115,6 +115,13 @@ def body_frames(model: mujoco.MjModel) -> np.ndarray:
     return frames
 
 
+def floor_frame(model: mujoco.MjModel, joint: int) -> np.ndarray:
+    """T_world_base on the floor, under the body that the base's last joint moves. 4x4, float64."""
+    T = body_frames(model)[model.jnt_bodyid[joint]].copy()
+    T[2, 3] = 0.0
+    return T
+
+
 def matrix(p: np.ndarray, quat: np.ndarray) -> np.ndarray:
     """The homogeneous matrix of a position and a quaternion (w, x, y, z)."""
     R = np.zeros(9)

@@ -84,9 +84,11 @@ def test_spheres_ride_where_mujoco_puts_the_geoms(x64, tmp_path):
     capsule = centers[frame == 4]
     ends = data.geom_xpos[1] + 0.2 * np.outer([-1, 1], data.geom_xmat[1].reshape(3, 3)[:, 2])
     np.testing.assert_allclose([capsule[0], capsule[-1]], ends, atol=1e-9)
-    # the box's corners, and nothing of it outside; the brush is not among the spheres
+    # the box's cells, cubes of 0.2 m; the brush is not among the spheres
     local = (centers[frame == 2] - data.geom_xpos[0]) @ data.geom_xmat[0].reshape(3, 3)
-    np.testing.assert_allclose(np.abs(local).max(0), [0.3, 0.2, 0.1], atol=1e-9)
+    cells = [[x, y, 0] for x in (-0.2, 0, 0.2) for y in (-0.1, 0.1)]
+    np.testing.assert_allclose(local, cells, atol=1e-9)
+    np.testing.assert_allclose(np.asarray(robot.spheres.radius)[frame == 2], np.sqrt(3) * 0.1, rtol=1e-9)
     assert not (frame == 5).any()
 
 
@@ -107,7 +109,7 @@ def test_defaults_of_a_file_that_says_little(tmp_path):
     assert np.linalg.norm(robot.drive.position, axis=1).min() > 0.2  # holonomic
     assert float(robot.drive.rate_limit) * 0.02 > np.pi
     np.testing.assert_allclose(robot.home, [0.5, 0.4, 0.2], rtol=1e-6)
-    np.testing.assert_allclose(robot.T_base_lidar.p, 0)
+    np.testing.assert_allclose(robot.T_base_lidar.p, [0, 0, 0.4], atol=1e-6)  # the box's top
 
 
 @pytest.mark.parametrize(
