@@ -79,11 +79,12 @@ def mecanum(
 ) -> RollerWheels:
     """Mecanum wheels that roll along x, with their contacts at (a_i, b_i) in the base frame [m].
 
-    The contact moves with (v_x - w b, v_y + w a). Its part along the axis of the roller on the floor, which
-    lies at -+`roller_angle` [rad] to the wheel's axis, is the rim's: S = v_x - w b + s tan(angle) (v_y + w
-    a), where s = -1 front left and rear right, +1 front right and rear left: seen from above, the rollers
-    form an X, those on the floor an O.
+    The contact moves with (v_x - w b, v_y + w a). The roller on the floor turns freely about its own axis
+    r = (sin(angle), s cos(angle)), at `roller_angle` [rad] to the wheel's axle (0, 1), and does not slip
+    along it: r . (v_x - w b - S, v_y + w a) = 0. So the rim's speed is S = v_x - w b + s cot(angle)
+    (v_y + w a), with s = -1 front left and rear right, +1 front right and rear left: seen from above, the
+    rollers form an X, those on the floor an O.
     """
     a, b = position[:, 0], position[:, 1]
-    slope = -jnp.sign(a * b) * jnp.tan(roller_angle)
+    slope = -jnp.sign(a * b) / jnp.tan(roller_angle)
     return RollerWheels(jnp.stack([jnp.ones_like(a), slope, slope * a - b], axis=1), speed_limit)

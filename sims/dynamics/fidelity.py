@@ -91,7 +91,7 @@ class Dynamic(Fidelity):
             wanted = before + share * (told - before)
             base = _turned(p.velocity_gain[:3] * wanted + push, q[2])
             arm = p.position_gain * goal + p.velocity_gain[3:] * pace
-            q, v = self.engine.advance(model, q, v, jnp.concatenate([base, arm]))
+            q, v = self.engine.advance(model, q, v, jnp.concatenate([base, arm]), 1 - p.gravity_error)
             return (q, v, goal, pace), None
 
         start = (q, v, world.servos.reference, world.servos.reference_velocity)

@@ -5,15 +5,17 @@ from collections.abc import Sequence
 import mujoco
 import numpy as np
 
-from jaxpaint.kinematics import Inertia
-from sims.robots.inertia import inertia_from_model, torque_limits
+from sims.robots.inertia import link_inertias, torque_limits
 from sims.robots.model import find, joints_to, link_frames
-from sims.robots.servos import velocity_servo
+from sims.robots.servos import damping_of, velocity_servo
+from sims.robots.urdf import compiled
 
 # Of a joint that no velocity servo of the file drives: the time constant of ours on the joint's own inertia
 # with all joints at 0 [s], and its force limit where the file sets none [N or N m].
 _TIME_CONSTANT = 0.005
 _FORCE = 1e4
+# Share of a moment of inertia that is rounding.
+_ROUNDING = 1e-9
 
 
 def planar_model(model: mujoco.MjModel, site: str = "brush") -> mujoco.MjModel:
@@ -21,21 +23,22 @@ def planar_model(model: mujoco.MjModel, site: str = "brush") -> mujoco.MjModel:
 
     What rides on a link is part of it; joints beside the chain (wheels) are rigid, at zero. Positions are
     those of the robot's chain. Servo i pulls with ctrl - kp q - kv v: kv is that of the file's velocity servo
-    on the joint, else it follows from the inertia; kp is 0. MJX wants few solver iterations; there is nothing
-    to solve here, since nothing touches and the controllers mind the joints' ranges.
+    on the joint, seen behind its gear, else it follows from the inertia; kp is 0. MJX wants few solver
+    iterations; there is nothing to solve here, since nothing touches and the controllers mind the joints'
+    ranges. Raises InputError.
     """
     joints = joints_to(model, int(model.site_bodyid[find(model, mujoco.mjtObj.mjOBJ_SITE, site)]))
     spec = _bare_spec(model)
     parent, T_world_parent = spec.worldbody, np.eye(4)
-    frames, inertia = link_frames(model, joints), inertia_from_model(model, joints)
-    for first, last in _groups(model, joints):
-        parent = _add_link(parent, np.linalg.inv(T_world_parent) @ frames[last], inertia, last)
+    frames, inertia = link_frames(model, joints), link_inertias(model, joints)
+    for first, last in _groups(inertia):
+        parent = _add_link(parent, np.linalg.inv(T_world_parent) @ frames[last], *inertia[last])
         for k in range(first, last + 1):
             _add_joint(parent, model, joints[k], np.linalg.inv(frames[last]) @ frames[k])
         T_world_parent = frames[last]
     for j in joints:
         _add_servo(spec, model.joint(j).name)
-    planar = spec.compile()
+    planar = compiled(spec)
     _fill_servos(planar, model, joints)
     return planar
 
@@ -54,29 +57,46 @@ def _bare_spec(model: mujoco.MjModel) -> mujoco.MjSpec:
     return spec
 
 
-def _groups(model: mujoco.MjModel, joints: Sequence[int]) -> list[tuple[int, int]]:
-    """Places among `joints` of the first and the last of each link: joints with nothing between share one."""
-    inertia = inertia_from_model(model, joints)
+def _groups(inertia: list[tuple[float, np.ndarray, np.ndarray]]) -> list[tuple[int, int]]:
+    """First and last joint of each link, by their places: joints with nothing between share one."""
     groups, first = [], 0
-    for k in range(len(joints)):
-        if float(inertia.mass[k]) > 0 or k == len(joints) - 1:
+    for k, (mass, _, _) in enumerate(inertia):
+        if mass > 0 or k == len(inertia) - 1:
             groups.append((first, k))
             first = k + 1
     return groups
 
 
-def _add_link(parent, T_parent: np.ndarray, inertia: Inertia, k: int):
-    quat = np.zeros(4)
-    mujoco.mju_mat2Quat(quat, T_parent[:3, :3].reshape(-1))
-    i = np.asarray(inertia.tensor[k], float)
+def _add_link(parent, T_parent: np.ndarray, mass: float, center: np.ndarray, tensor: np.ndarray):
+    moments, axes = _principal(tensor)
     return parent.add_body(
         pos=T_parent[:3, 3],
-        quat=quat,
-        mass=float(inertia.mass[k]),
-        ipos=np.asarray(inertia.center[k], float),
-        fullinertia=[i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2]],
+        quat=_quaternion(T_parent[:3, :3]),
+        mass=mass,
+        ipos=center,
+        iquat=_quaternion(axes),
+        inertia=moments,
         explicitinertial=True,
     )
+
+
+def _principal(tensor: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Principal moments, falling, and their axes as columns of a rotation.
+
+    Of a flat body the largest is the sum of the others; rounding may lift it above, which MuJoCo refuses.
+    """
+    moments, axes = np.linalg.eigh(tensor)
+    moments, axes = moments[::-1].copy(), axes[:, ::-1]
+    excess = moments[0] - moments[1] - moments[2]
+    if 0 < excess <= _ROUNDING * moments[0]:
+        moments[0] = moments[1] + moments[2]
+    return moments, axes * np.sign(np.linalg.det(axes))
+
+
+def _quaternion(R: np.ndarray) -> np.ndarray:
+    quat = np.zeros(4)
+    mujoco.mju_mat2Quat(quat, R.reshape(-1))
+    return quat
 
 
 def _add_joint(body, model: mujoco.MjModel, joint: int, T_body_joint: np.ndarray) -> None:
@@ -104,7 +124,7 @@ def _fill_servos(planar: mujoco.MjModel, model: mujoco.MjModel, joints: Sequence
     mujoco.mj_fullM(planar, data, full)
     for i, (j, limit) in enumerate(zip(joints, torque_limits(model, joints), strict=True)):
         servo = velocity_servo(model, j)
-        gain = full[i, i] / _TIME_CONSTANT if servo is None else -model.actuator_biasprm[servo, 2]
+        gain = full[i, i] / _TIME_CONSTANT if servo is None else damping_of(model, servo)
         planar.actuator_gainprm[i, 0] = 1
         planar.actuator_biasprm[i, :3] = 0, 0, -gain
         if np.isfinite(limit):

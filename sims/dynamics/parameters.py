@@ -18,9 +18,10 @@ class Physics(eqx.Module):
 
     mass [kg], center of mass in the link's frame [m], inertia: principal, about it [kg m^2]; one row a link,
     the base first. armature [kg m^2 or kg], damping: viscous friction [N m s/rad or N s/m]. velocity_gain: kv
-    of the servos [N m s/rad or N s/m]. position_gain: kp of the arm's [N m/rad]. force_limit: of the servos,
-    friction not counted [N m or N]. pushed: inertia by which the base's drives feed acceleration
-    forward [kg, kg m^2]. gravity [m/s^2]. gravity_error: share of the weight that is not compensated.
+    of the servos [N m s/rad or N s/m]. position_gain: kp of the arm's [N m/rad]. force_limit: of the motors,
+    for servo and balanced weight together, friction not counted [N m or N]. pushed: inertia by which the
+    base's drives feed acceleration forward [kg, kg m^2]. gravity [m/s^2]. gravity_error: share of the weight
+    that is not compensated.
     """
 
     mass: Float[Array, " links"]

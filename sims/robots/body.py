@@ -8,19 +8,22 @@ import mujoco
 import numpy as np
 
 from jaxpaint.kinematics import Spheres
-from sims.robots.model import body_frames, carrier, link_frames, matrix
+from sims.robots.model import body_frames, carrier, floor_frame, link_frames, matrix
 
-_EDGE_SPACING = 0.2  # [m] at most, between two points of a box's edge
+# A box is cut into cells, a sphere around each: cubes of its thinnest side, larger ones where these would be
+# more than so many, but none larger than this [m].
+_CELLS, _CELL = 16, 0.2
 _PICTURE_GROUP = 2  # geoms of this group are there to be looked at: MuJoCo Menagerie's convention
 
 
 def spheres_from_model(model: mujoco.MjModel, joints: Sequence[int]) -> Spheres:
-    """The body as spheres that ride on `joints`.
+    """The body as spheres that ride on `joints`: together they hold all of it.
 
-    Capsules and cylinders become rows of spheres along their axis, a radius apart (a cylinder's flat ends
-    gain a radius), boxes points along their edges, meshes rows along their longest side that hold all their
-    vertices, everything else one sphere. Left out: geoms of group 2
-    (pictures), and those whose name or whose body's name begins with `brush`: it touches the wall on purpose.
+    Capsules and cylinders become rows of spheres, at most a radius apart: 0.12 radii too large around the
+    axis, 0.62 at a cylinder's flat ends. Meshes become such rows along their longest side. Boxes are cut into
+    cells of a sphere each: 0.37 sides of a cubic cell too large, 0.1 m at most, or 0.14 m beside a plate.
+    Everything else is one sphere. Left out: geoms of group 2 (pictures), and those whose name or whose body's
+    name begins with `brush`: it touches the wall on purpose.
     """
     links, bodies = link_frames(model, joints), body_frames(model)
     frame, center, radius = [], [], []
@@ -42,8 +45,20 @@ def spheres_from_model(model: mujoco.MjModel, joints: Sequence[int]) -> Spheres:
 
 def footprint_from_model(model: mujoco.MjModel, joints: Sequence[int], base_size: int) -> np.ndarray:
     """Corners [4, 2] of the rectangle around what the arm does not carry, wheels at zero. Base frame, m."""
+    points = _base_corners(model, joints, base_size)
+    (x0, y0), (x1, y1) = points[:, :2].min(0), points[:, :2].max(0)
+    return np.array([[x1, y1], [x0, y1], [x0, y0], [x1, y0]])
+
+
+def base_top(model: mujoco.MjModel, joints: Sequence[int], base_size: int) -> float:
+    """How high what the arm does not carry reaches above the floor [m]."""
+    return float(_base_corners(model, joints, base_size)[:, 2].max())
+
+
+def _base_corners(model: mujoco.MjModel, joints: Sequence[int], base_size: int) -> np.ndarray:
+    """Corners of the boxes around each of the base's geoms, and its origin. [n, 3], base frame, m."""
     bodies = body_frames(model)
-    to_base = np.linalg.inv(bodies[model.jnt_bodyid[joints[base_size - 1]]])
+    to_base = np.linalg.inv(floor_frame(model, joints[base_size - 1]))
     corners = [np.zeros((1, 3))]
     for geom in range(model.ngeom):
         body = int(model.geom_bodyid[geom])
@@ -51,9 +66,7 @@ def footprint_from_model(model: mujoco.MjModel, joints: Sequence[int], base_size
             continue
         box = model.geom_aabb[geom, :3] + model.geom_aabb[geom, 3:] * _corner_signs()
         corners.append(_moved(to_base @ bodies[body] @ _geom_frame(model, geom), box))
-    points = np.concatenate(corners)[:, :2]
-    (x0, y0), (x1, y1) = points.min(0), points.max(0)
-    return np.array([[x1, y1], [x0, y1], [x0, y0], [x1, y0]])
+    return np.concatenate(corners)
 
 
 def _is_brush(model: mujoco.MjModel, geom: int) -> bool:
@@ -64,12 +77,15 @@ def _is_brush(model: mujoco.MjModel, geom: int) -> bool:
 def _cover(model: mujoco.MjModel, geom: int) -> tuple[np.ndarray, float]:
     """Points [n, 3] in the geom's frame and their radius."""
     size, kind = model.geom_size[geom], mujoco.mjtGeom(int(model.geom_type[geom]))
-    if kind in (mujoco.mjtGeom.mjGEOM_CAPSULE, mujoco.mjtGeom.mjGEOM_CYLINDER):
+    if kind == mujoco.mjtGeom.mjGEOM_CAPSULE:
         radius, half = float(size[0]), float(size[1])
         count = int(np.ceil(2 * half / radius)) + 1
-        return np.linspace([0, 0, -half], [0, 0, half], count), radius
+        points = np.linspace([0, 0, -half], [0, 0, half], count)
+        return points, float(np.hypot(radius, half / max(count - 1, 1)))
+    if kind == mujoco.mjtGeom.mjGEOM_CYLINDER:
+        return _row(np.zeros(3), 2, float(size[1]), float(size[0]))
     if kind == mujoco.mjtGeom.mjGEOM_BOX:
-        return _edge_points(size), 0.0
+        return _cells(size)
     if kind == mujoco.mjtGeom.mjGEOM_MESH:
         return _row_around(_vertices(model, geom))
     return np.zeros((1, 3)), float(model.geom_rbound[geom])
@@ -82,27 +98,33 @@ def _vertices(model: mujoco.MjModel, geom: int) -> np.ndarray:
 
 
 def _row_around(vertices: np.ndarray) -> tuple[np.ndarray, float]:
-    """Spheres in a row along the longest side of the vertices' box, the smallest that hold every vertex."""
+    """Spheres in a row along the longest side of the vertices' box, around a cylinder that holds them."""
     low, high = vertices.min(0), vertices.max(0)
     axis = int(np.argmax(high - low))
     across = float(np.linalg.norm(np.delete(vertices - (low + high) / 2, axis, 1), axis=1).max())
-    count = int(np.ceil((high - low)[axis] / max(across, 1e-3))) + 1
-    points = np.tile((low + high) / 2, (count, 1))
-    points[:, axis] = np.linspace(low[axis], high[axis], count) if count > 1 else points[:, axis]
-    nearest = np.linalg.norm(vertices[:, None] - points[None], axis=-1).min(axis=1)
-    return points, float(nearest.max())
+    return _row((low + high) / 2, axis, float(high[axis] - low[axis]) / 2, across)
 
 
-def _edge_points(half: np.ndarray) -> np.ndarray:
-    rows = []
-    for axis in range(3):
-        count = int(np.ceil(2 * half[axis] / _EDGE_SPACING)) + 1
-        for signs in product((-1, 1), repeat=2):
-            edge = np.zeros((count, 3))
-            edge[:, axis] = np.linspace(-half[axis], half[axis], count)
-            edge[:, [k for k in range(3) if k != axis]] = np.array(signs) * np.delete(half, axis)
-            rows.append(edge)
-    return np.unique(np.concatenate(rows).round(9), axis=0)
+def _row(middle: np.ndarray, axis: int, half: float, radius: float) -> tuple[np.ndarray, float]:
+    """A cylinder along an axis, cut into lengths of at most its radius: the middles, and what holds each."""
+    count = max(int(np.ceil(2 * half / max(radius, 1e-3) - 1e-9)), 1)
+    points = np.tile(middle, (count, 1))
+    points[:, axis] += half * (2 * np.arange(count) + 1 - count) / count
+    return points, float(np.hypot(radius, half / count))
+
+
+def _cells(half: np.ndarray) -> tuple[np.ndarray, float]:
+    """A box, cut into cells: their middles, and half their diagonal."""
+    side = 2 * float(half.min())
+    while _counts(half, side).prod() > _CELLS:
+        side *= 1.05
+    counts = _counts(half, min(side, _CELL))
+    places = [h * (2 * np.arange(n) + 1 - n) / n for h, n in zip(half, counts, strict=True)]
+    return np.array(list(product(*places))), float(np.linalg.norm(half / counts))
+
+
+def _counts(half: np.ndarray, side: float) -> np.ndarray:
+    return np.maximum(np.ceil(2 * half / max(side, 1e-3) - 1e-9), 1).astype(int)
 
 
 def _corner_signs() -> np.ndarray:

@@ -25,7 +25,7 @@ def check_can_paint(robot: Robot) -> None:
         )
     lower, upper = np.asarray(robot.lower), np.asarray(robot.upper)
     home = np.asarray(robot.home)
-    for k in np.flatnonzero((home < lower - 1e-6) | (home > upper + 1e-6)):
+    for k in np.flatnonzero(~((home >= lower - 1e-6) & (home <= upper + 1e-6))):
         name = robot.chain.names[robot.base_size + k]
         raise InputError(
             f"keyframe 'home' has {home[k]:g} for '{name}'; allowed: {lower[k]:g} to {upper[k]:g}"
@@ -34,7 +34,7 @@ def check_can_paint(robot: Robot) -> None:
     brush = forward(robot.chain, q)
     axis, place = np.asarray(brush.R[:, 2]), np.asarray(brush.p)
     front = float(robot.footprint[:, 0].max())
-    if axis[0] < np.cos(_LEAN) or place[0] < front:
+    if not (axis[0] >= np.cos(_LEAN) and place[0] >= front):
         raise InputError(
             f"at home the brush is at {place.round(2).tolist()} m and points along {axis.round(2).tolist()} "
             f"in the base frame; allowed: ahead of the base (x above {front:.2f} m), along +x within "
@@ -42,7 +42,7 @@ def check_can_paint(robot: Robot) -> None:
         )
     centers = np.asarray(sphere_centers(robot.chain, robot.spheres, q))
     gap = -((centers - place) @ axis + np.asarray(robot.spheres.radius))
-    if len(gap) and gap.min() < _BEHIND:
+    if len(gap) and not gap.min() >= _BEHIND:
         name = robot.chain.names[int(robot.spheres.frame[int(gap.argmin())])]
         raise InputError(
             f"at home the body behind joint '{name}' reaches to {gap.min():.3f} m behind the brush's tip; "

@@ -8,13 +8,27 @@ import numpy as np
 from jaxtyping import Float
 
 from jaxpaint.kinematics.dynamics import Inertia
-from sims.robots.model import body_frames, carrier, link_frames, matrix
+from sims.robots.model import at_zero, body_frames, carrier, link_frames, matrix
 
 
 def inertia_from_model(model: mujoco.MjModel, joints: Sequence[int]) -> Inertia:
     """What each of `joints` (root first) carries; bodies on joints that are not among them count as welded at
     zero, as wheels to their base.
     """
+    merged = link_inertias(model, joints)
+    dof = model.jnt_dofadr[list(joints)]
+    return Inertia(
+        mass=jnp.asarray(np.array([m for m, _, _ in merged])),
+        center=jnp.asarray(np.stack([c for _, c, _ in merged])),
+        tensor=jnp.asarray(np.stack([t for _, _, t in merged])),
+        armature=jnp.asarray(model.dof_armature[dof]),
+        damping=jnp.asarray(np.asarray(model.dof_damping)[dof].reshape(len(dof), -1)[:, 0]),
+        gravity=jnp.asarray(np.array(model.opt.gravity)),
+    )
+
+
+def link_inertias(model: mujoco.MjModel, joints: Sequence[int]) -> list[tuple[float, np.ndarray, np.ndarray]]:
+    """Mass [kg], center [m] and tensor about it [kg m^2] behind each joint, in its frame, in float64."""
     links, bodies = link_frames(model, joints), body_frames(model)
     parts: list[list[tuple[float, np.ndarray, np.ndarray]]] = [[] for _ in joints]
     for body in range(1, model.nbody):
@@ -27,16 +41,17 @@ def inertia_from_model(model: mujoco.MjModel, joints: Sequence[int]) -> Inertia:
             )
             tensor = T[:3, :3] @ np.diag(model.body_inertia[body]) @ T[:3, :3].T
             parts[link].append((float(model.body_mass[body]), T[:3, 3], tensor))
-    merged = [_merged(part) for part in parts]
-    dof = model.jnt_dofadr[list(joints)]
-    return Inertia(
-        mass=jnp.asarray(np.array([m for m, _, _ in merged])),
-        center=jnp.asarray(np.stack([c for _, c, _ in merged])),
-        tensor=jnp.asarray(np.stack([t for _, _, t in merged])),
-        armature=jnp.asarray(model.dof_armature[dof]),
-        damping=jnp.asarray(np.asarray(model.dof_damping)[dof].reshape(len(dof), -1)[:, 0]),
-        gravity=jnp.asarray(np.array(model.opt.gravity)),
-    )
+    return [_merged(part) for part in parts]
+
+
+def weight_at(
+    model: mujoco.MjModel, joints: Sequence[int], q: Float[np.ndarray, " joints"]
+) -> Float[np.ndarray, " joints"]:
+    """Forces and torques that hold the joints still at `q`, all others at 0 [N, N m]."""
+    data = at_zero(model)
+    data.qpos[model.jnt_qposadr[list(joints)]] = q
+    mujoco.mj_forward(model, data)
+    return data.qfrc_bias[model.jnt_dofadr[list(joints)]]
 
 
 def torque_limits(model: mujoco.MjModel, joints: Sequence[int]) -> Float[np.ndarray, " joints"]:

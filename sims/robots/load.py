@@ -9,10 +9,10 @@ import numpy as np
 
 from jaxpaint.errors import InputError
 from jaxpaint.kinematics import KinematicChain, Pose, frames
-from sims.robots.body import footprint_from_model, spheres_from_model
+from sims.robots.body import base_top, footprint_from_model, spheres_from_model
 from sims.robots.home import painting_posture
-from sims.robots.inertia import inertia_from_model, torque_limits
-from sims.robots.model import body_frames, chain_from_model, find, joints_to, matrix, numeric
+from sims.robots.inertia import inertia_from_model, torque_limits, weight_at
+from sims.robots.model import body_frames, chain_from_model, find, floor_frame, joints_to, matrix, numeric
 from sims.robots.read import BRUSH, CAMERA, LIDAR, REFERENCE, robot_model
 from sims.robots.robot import Robot
 from sims.robots.servos import speed_of
@@ -35,7 +35,7 @@ def load_robot(
 
     Joints: slides `base_x`, `base_y` and a hinge `base_yaw` at the root, in this order (a URDF gets them),
     then the arm's, of which any number. Sites, or links, of these names or of those given: `brush` (z out of
-    the tool), `camera` on the same link (OpenCV axes); `lidar`, else at the base's origin. Wheels: joints
+    the tool), `camera` on the same link (OpenCV axes); `lidar`, else on top of the base. Wheels: joints
     `steer_NAME` and `wheel_NAME` in pairs are steered, `wheel_NAME` alone are mecanum (numeric
     `roller_angle`), none make a holonomic base. Speed limits are the control ranges of velocity actuators,
     or a URDF's; accelerations the numerics `base_acceleration` and `arm_acceleration`. The keyframe `home` is
@@ -65,6 +65,7 @@ def robot_from_model(model: mujoco.MjModel) -> Robot:
         raise InputError("no keyframe named 'home'; it gives the arm's painting posture")
     if home is None:
         home = painting_posture(chain, spheres, lower, upper, float(footprint[:, 0].max()))
+    _check_weight(model, arm, home)
     return Robot(
         chain=chain,
         home=jnp.asarray(home),
@@ -117,6 +118,18 @@ def _home(model: mujoco.MjModel, joints: Sequence[int]) -> np.ndarray | None:
     return None if key < 0 else model.key_qpos[key][model.jnt_qposadr[joints]]
 
 
+def _check_weight(model: mujoco.MjModel, arm: Sequence[int], home: np.ndarray) -> None:
+    """The motors must hold the arm still at home: no plan could begin there."""
+    limits = torque_limits(model, arm)
+    for j, torque, limit in zip(arm, weight_at(model, arm, home), limits, strict=True):
+        if not abs(torque) <= limit:
+            unit = "N m" if int(model.jnt_type[j]) == int(mujoco.mjtJoint.mjJNT_HINGE) else "N"
+            raise InputError(
+                f"at home the weight on joint '{model.joint(j).name}' asks for {abs(torque):.3g} {unit}; "
+                f"allowed: its limit of {limit:g} {unit}, or less"
+            )
+
+
 def _speed_limits(model: mujoco.MjModel, joints: Sequence[int]) -> np.ndarray:
     defaults = [*_BASE_SPEED, *[_ARM_SPEED] * (len(joints) - 3)]
     return np.array([speed_of(model, j, default) for j, default in zip(joints, defaults, strict=True)])
@@ -145,7 +158,8 @@ def _between_sites(model: mujoco.MjModel, a: str, b: str) -> Pose:
 
 
 def _lidar(model: mujoco.MjModel, joints: Sequence[int]) -> Pose:
-    base = body_frames(model)[model.jnt_bodyid[joints[2]]]
+    """Where the lidar is on the base, else the base's top: up to there the footprint counts as the body."""
     if mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SITE, LIDAR) < 0:
-        return _pose(np.eye(4))
-    return _pose(np.linalg.inv(base) @ _site_frame(model, LIDAR))
+        top = base_top(model, joints, len(BASE_JOINTS))
+        return _pose(matrix(np.array([0, 0, top]), np.array([1.0, 0, 0, 0])))
+    return _pose(np.linalg.inv(floor_frame(model, joints[2])) @ _site_frame(model, LIDAR))

@@ -20,6 +20,8 @@ def chain_from_model(model: mujoco.MjModel, site: str, joints: Sequence[str] | N
     site_id = find(model, mujoco.mjtObj.mjOBJ_SITE, site)
     on_the_way = joints_to(model, int(model.site_bodyid[site_id]))
     names = [model.joint(j).name for j in on_the_way]
+    if not names:
+        raise InputError(f"site '{site}' is fixed to the world; allowed: on the arm's last link")
     if joints is not None and list(joints) != names:
         raise InputError(f"joints to site '{site}': found {list(joints)}, the model has {names}")
     links = link_frames(model, on_the_way)
@@ -53,7 +55,7 @@ def numeric(model: mujoco.MjModel, name: str, default: np.ndarray) -> np.ndarray
     if index < 0:
         return default
     found = model.numeric(name).data
-    if found.shape != default.shape or not (found > 0).all():
+    if found.shape != default.shape or not ((found > 0) & (found < np.inf)).all():
         raise InputError(f"numeric '{name}' is {found.tolist()}; allowed: {len(default)} positive numbers")
     return found
 
@@ -92,9 +94,7 @@ def carrier(model: mujoco.MjModel, body: int, joints: Sequence[int]) -> int | No
 def link_frames(model: mujoco.MjModel, joints: Sequence[int]) -> list[np.ndarray]:
     """T_world_joint of each joint, all of them at 0: origin at its anchor, z along its axis. 4x4, float64."""
     # At 0, and not at the model's reference position: what a joint's `ref` turns is part of the frames.
-    data = mujoco.MjData(model)
-    data.qpos[:] = 0
-    _keep_quaternions(model, data)
+    data = at_zero(model)
     mujoco.mj_kinematics(model, data)
     frames = []
     for j in joints:
@@ -107,14 +107,19 @@ def link_frames(model: mujoco.MjModel, joints: Sequence[int]) -> list[np.ndarray
 
 def body_frames(model: mujoco.MjModel) -> np.ndarray:
     """T_world_body of each body with all joints at 0. [bodies, 4, 4], float64."""
-    data = mujoco.MjData(model)
-    data.qpos[:] = 0
-    _keep_quaternions(model, data)
+    data = at_zero(model)
     mujoco.mj_kinematics(model, data)
     frames = np.tile(np.eye(4), (model.nbody, 1, 1))
     frames[:, :3, :3] = data.xmat.reshape(-1, 3, 3)
     frames[:, :3, 3] = data.xpos
     return frames
+
+
+def floor_frame(model: mujoco.MjModel, joint: int) -> np.ndarray:
+    """T_world_base on the floor, under the body that the base's last joint moves. 4x4, float64."""
+    T = body_frames(model)[model.jnt_bodyid[joint]].copy()
+    T[2, 3] = 0.0
+    return T
 
 
 def matrix(p: np.ndarray, quat: np.ndarray) -> np.ndarray:
@@ -126,11 +131,15 @@ def matrix(p: np.ndarray, quat: np.ndarray) -> np.ndarray:
     return T
 
 
-def _keep_quaternions(model: mujoco.MjModel, data: mujoco.MjData) -> None:
+def at_zero(model: mujoco.MjModel) -> mujoco.MjData:
+    """Data with all joints at 0, nothing computed yet."""
+    data = mujoco.MjData(model)
+    data.qpos[:] = 0
     for j in range(model.njnt):
         kind = mujoco.mjtJoint(int(model.jnt_type[j]))
         if kind in (mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_BALL):
             data.qpos[model.jnt_qposadr[j] + (3 if kind == mujoco.mjtJoint.mjJNT_FREE else 0)] = 1
+    return data
 
 
 def _with_z(axis: np.ndarray, body: np.ndarray) -> np.ndarray:

@@ -16,12 +16,27 @@ BRUSH, CAMERA, LIDAR = "brush", "camera", "lidar"
 _FINITE = (
     "body_pos",
     "body_quat",
+    "body_ipos",
+    "body_iquat",
     "body_mass",
     "body_inertia",
     "jnt_pos",
     "jnt_axis",
     "jnt_range",
+    "jnt_actfrcrange",
+    "dof_armature",
+    "dof_damping",
+    "geom_pos",
+    "geom_quat",
     "geom_size",
+    "site_pos",
+    "site_quat",
+    "actuator_ctrlrange",
+    "actuator_forcerange",
+    "actuator_gear",
+    "actuator_gainprm",
+    "actuator_biasprm",
+    "key_qpos",
 )
 
 
@@ -45,7 +60,7 @@ def _read(path: Path | str | None, sites: dict[str, str]) -> tuple[mujoco.MjSpec
     path = REFERENCE if path is None else Path(path)
     try:
         with _no_log():
-            spec = _spec(path)
+            spec = _spec(path, sites[BRUSH])
             for site, name in sites.items():
                 _name_site(spec, site, name)
             return spec, _checked(spec)
@@ -64,11 +79,11 @@ def _no_log() -> Iterator[None]:
         mujoco.set_mju_user_warning(before)
 
 
-def _spec(path: Path) -> mujoco.MjSpec:
+def _spec(path: Path, brush: str) -> mujoco.MjSpec:
     if not path.is_file():
         raise InputError("no such file; expected an MJCF (.xml) or a URDF (.urdf)")
     if path.suffix.lower() == ".urdf" or _is_urdf(path):
-        return urdf_spec(path)
+        return urdf_spec(path, brush)
     try:
         return mujoco.MjSpec.from_file(str(path))
     except ValueError as error:
@@ -93,6 +108,9 @@ def _is_urdf(path: Path) -> bool:
         return next(ET.iterparse(path, events=("start",)))[1].tag == "robot"
     except (ET.ParseError, StopIteration, UnicodeDecodeError):
         return False
+    # MuJoCo would take any encoding, and read a URDF without what is added to one here.
+    except (LookupError, ValueError) as error:
+        raise InputError(f"not XML: {one_line(error)}") from error
 
 
 def _name_site(spec: mujoco.MjSpec, site: str, name: str) -> None:

@@ -11,6 +11,7 @@ import numpy as np
 
 from jaxpaint.errors import InputError
 from sims.robots.meshes import resolve_meshes
+from sims.robots.urdf_joints import check_joints
 
 BASE_JOINTS = ("base_x", "base_y", "base_yaw")
 _PLANAR = ("_TX", "_TY", "_RZ")  # what MuJoCo makes of a planar joint
@@ -23,10 +24,11 @@ _ARMATURE = 0.1
 _LEAST_MASS, _LEAST_INERTIA = 1e-3, 1e-6
 
 
-def urdf_spec(path: Path) -> mujoco.MjSpec:
-    """The specification of a URDF file. Raises InputError."""
+def urdf_spec(path: Path, brush: str) -> mujoco.MjSpec:
+    """The specification of a URDF file whose brush is the link of that name. Raises InputError."""
     root = _parsed(path)
     _check_tree(root)
+    check_joints(root, brush, BASE_JOINTS)
     resolve_meshes(root, path)
     for text in root.iter("mujoco"):
         text.clear()  # paths are absolute by now, and what else it says is for other programs
@@ -52,8 +54,9 @@ def urdf_spec(path: Path) -> mujoco.MjSpec:
 def _parsed(path: Path) -> ET.Element:
     try:
         root = ET.parse(path).getroot()
-    except ET.ParseError as error:
-        raise InputError(f"not XML: {error}") from error
+    # LookupError and ValueError: encodings that nobody knows, or that the parser cannot do.
+    except (ET.ParseError, LookupError, ValueError) as error:
+        raise InputError(f"not XML: {one_line(error)}") from error
     if root.tag != "robot":
         raise InputError(f"the outermost element is <{root.tag}>; a URDF's is <robot>")
     if any("xacro" in element.tag for element in root.iter()):

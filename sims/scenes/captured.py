@@ -135,6 +135,7 @@ def _scene(baked: Baked, place: Place, rise: float, texture: AbstractTexture, na
         near=jnp.asarray(baked.depth.min() - 0.02, dtype=float),
         far=jnp.asarray(baked.depth.max() + 0.02, dtype=float),
         texture=texture,
+        empty=jnp.zeros(baked.depth.shape, bool),
     )
     return Scene((wall, wooden_floor()), HeightChart.of(surface), name)
 

@@ -22,15 +22,15 @@ class HeightField(AbstractPrimitive):
     reading, as it does at the rim of an object: what is behind is not known either. Where nothing is at all,
     as in a hole of a mesh, the ray passes. Things thinner than a step may be stepped over.
 
-    near, far: x of the slab [m]. empty: cells without a body, a mask like the map's `valid`; None: no such.
+    near, far: x of the slab [m]. empty: cells without a body, a mask like the map's `valid`.
     """
 
     surface: HeightMap
     near: Float[Array, ""]
     far: Float[Array, ""]
     texture: AbstractTexture
+    empty: Bool[Array, "V U"]
     steps: int = eqx.field(static=True, default=64)
-    empty: Bool[Array, "V U"] | None = None
 
     def intersect(self, origin: Float[Array, "3"], direction: Float[Array, "3"]) -> Hit:
         enter, leave = self._span(origin, direction)
@@ -42,9 +42,7 @@ class HeightField(AbstractPrimitive):
         _, slopes = self.surface.evaluate(uv)
         length = jnp.sqrt(1 + slopes[0] ** 2 + slopes[1] ** 2)
         normal = jnp.stack([-jnp.ones_like(length), -slopes[0], slopes[1]]) / length
-        met = crosses & sinks & (distance > 0)
-        if self.empty is not None:
-            met = met & ~self.surface.holds(self.empty, uv)
+        met = crosses & sinks & (distance > 0) & ~self.surface.holds(self.empty, uv)
         valid = met & self.surface.captured(uv) & (jnp.sum(normal * direction) < 0)
         return Hit(
             distance=jnp.where(met, distance, jnp.inf),

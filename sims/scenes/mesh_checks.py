@@ -7,6 +7,7 @@ from jaxtyping import Bool, Float, Int
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from jaxpaint.errors import InputError
 from sims.scenes.mesh_files import TriangleMesh
 
 # Corners closer than this share of the mesh's size are one vertex: files split them at seams.
@@ -35,12 +36,14 @@ class MeshChecks:
 
 
 def check_mesh(mesh: TriangleMesh) -> MeshChecks:
-    """Counts the defects of a mesh."""
+    """Counts the defects of a mesh. Raises InputError where no face is sound."""
     faces, places = _welded(mesh)
     corners = mesh.corners
     area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     distinct = (faces != np.roll(faces, 1, axis=1)).all(axis=1)
     sound = distinct & (area > _FLAT * float(np.ptp(mesh.vertices, axis=0).max()) ** 2)
+    if not sound.any():
+        raise InputError(f"{mesh.name}: none of the {len(faces)} faces has an area to speak of")
     faces = faces[sound]
     directed = np.concatenate([faces, np.roll(faces, -1, axis=1)]).reshape(2, -1).T
     edges, place, count = np.unique(

@@ -12,7 +12,9 @@ import trimesh
 from jaxtyping import Float, Int
 
 from jaxpaint.errors import InputError
-from sims.scenes.obj_files import read_obj
+from sims.scenes.obj_files import count_obj, read_obj
+from sims.scenes.ply_files import read_ply
+from sims.scenes.polygons import cut
 
 MAX_FACES = 2_000_000
 MIN_EXTENT, MAX_EXTENT = 0.1, 30.0
@@ -92,6 +94,10 @@ def _check_counts(path: Path) -> None:
         count = _COUNTERS[path.suffix.lower()](path)
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror or 'damaged file'})") from error
+    _check_count(path, count)
+
+
+def _check_count(path: Path, count: int) -> None:
     if count > MAX_FACES:
         raise InputError(
             f"{path}: {count} faces or more found, at most {MAX_FACES} are allowed; simplify the mesh"
@@ -134,18 +140,28 @@ def _ply_count(path: Path) -> int:
 
 
 def _obj_count(path: Path) -> int:
-    return _count_marks(path, b"\nf ")
+    return count_obj(path, MAX_FACES)
 
 
 def _count_marks(path: Path, mark: bytes) -> int:
-    """How often a file holds some bytes, at most about the limit; only a block of it is held at a time."""
+    """How often a file holds some letters, large or small, at most about the limit; only a block of it is
+    held at a time.
+    """
     count, rest = 0, b"\n"
     with path.open("rb") as file:
         while count <= MAX_FACES and (block := file.read(_BLOCK)):
-            block = rest + block
+            block = rest + block.lower()
             count += block.count(mark)
             rest = block[-(len(mark) - 1) :]
     return count
+
+
+def _read_ply(path: Path) -> tuple[np.ndarray, np.ndarray]:
+    points, corners, counts = read_ply(path)
+    _check_count(path, int(np.maximum(counts - 2, 0).sum()))
+    if len(corners) and not 0 <= corners.min() <= corners.max() < len(points):
+        raise InputError(f"{path}: faces name vertices that are not there ({len(points)} vertices found)")
+    return points, cut(points, corners, counts)
 
 
 def _load(path: Path) -> tuple[np.ndarray, np.ndarray]:
@@ -190,6 +206,6 @@ def _check_extent(path: Path, vertices: np.ndarray, scale: float) -> None:
 _READERS: dict[str, Callable[[Path], tuple[np.ndarray, np.ndarray]]] = {
     ".stl": _load,
     ".obj": read_obj,
-    ".ply": _load,
+    ".ply": _read_ply,
 }
 _COUNTERS: dict[str, Callable[[Path], int]] = {".stl": _stl_count, ".obj": _obj_count, ".ply": _ply_count}

@@ -24,15 +24,25 @@ def test_the_textbooks_signs(x64, twist, signs):
 
 
 def test_a_rollers_axis_is_the_only_direction_that_is_driven(x64):
-    """The contact's velocity less the rim's has no part along the roller's axis on the floor."""
+    """What the contact slides has no part along the roller's axis, which is `angle` off the axle.
+
+    The axle is the base's y axis; front left the roller on the floor leans so that its inner end lies ahead.
+    """
     rng = np.random.default_rng(0)
     for angle in (0.5, np.pi / 4, 1.0):
         for twist in rng.normal(size=(5, 3)):
             rim = np.asarray(wheels(angle).rolled(jnp.asarray(twist), jnp.zeros(4)))
             for (a, b), speed in zip(CORNERS, rim, strict=True):
                 slip = np.array([twist[0] - twist[2] * b - speed, twist[1] + twist[2] * a])
-                side = -np.sign(a * b)
-                assert abs(slip @ [np.cos(angle), side * np.sin(angle)]) < 1e-12
+                turn = np.sign(a * b) * angle  # from the axle, counter-clockwise
+                roller = [-np.sin(turn), np.cos(turn)]
+                assert abs(slip @ roller) < 1e-12
+
+
+def test_rollers_near_the_axle_ask_more_of_the_rim_on_a_way_sideways(x64):
+    """30 degrees off the axle: 1 m/s to the side is cot 30 = 1.732 m/s of the rim."""
+    rim = wheels(np.pi / 6).rolled(jnp.asarray([0, 1.0, 0]), jnp.zeros(4))
+    np.testing.assert_allclose(rim, np.sqrt(3) * np.array([-1, 1, 1, -1]), atol=1e-12)
 
 
 def test_round_trip_is_the_identity_and_odometry_the_least_squares(x64):

@@ -6,12 +6,19 @@ import mujoco
 import numpy as np
 import pytest
 
+from jaxpaint.errors import InputError
 from sims.dynamics import Engine, physics_of, planar_model
 from sims.robots import robot_model
 from sims.robots.model import joints_to
 
 ROBOTS = Path(__file__).resolve().parents[2] / "robots"
-FILES = [None, ROBOTS / "seven_joints.xml", ROBOTS / "mecanum.xml", ROBOTS / "big_arm.urdf"]
+FILES = [
+    None,
+    ROBOTS / "seven_joints.xml",
+    ROBOTS / "mecanum.xml",
+    ROBOTS / "big_arm.urdf",
+    ROBOTS / "big_arm.xml",
+]
 
 
 def chain_joints(model):
@@ -69,3 +76,42 @@ def test_equal_models_are_one_program():
     a, b = (Engine(planar_model(robot_model())) for _ in range(2))
     other = Engine(planar_model(robot_model(ROBOTS / "mecanum.xml")))
     assert a == b and hash(a) == hash(b) and a != other
+
+
+def test_a_gear_multiplies_a_servos_gain_by_its_square():
+    model = robot_model()
+    servo = model.actuator("elbow").id
+    model.actuator_gear[servo, 0] = -10
+    physics = physics_of(planar_model(model))
+    np.testing.assert_allclose(physics.velocity_gain[5], 100 * 800)
+    np.testing.assert_allclose(physics.force_limit[5], 10 * 150)
+
+
+def rotations(count):
+    """Rotations in space, drawn evenly, as quaternions."""
+    quats = np.random.default_rng(0).normal(size=(count, 4))
+    return quats / np.linalg.norm(quats, axis=1, keepdims=True)
+
+
+@pytest.mark.parametrize("moments", [(0.05, 0.05, 0.1), (0.1, 0.2, 0.3), (0.1, 0.1, 0.1), (1e-7, 3e-7, 4e-7)])
+def test_flat_bodies_in_any_orientation_are_taken(moments):
+    """Their largest moment is the sum of the others: rounding must not refuse them, nor change them."""
+    text = (ROBOTS / "mecanum.xml").read_text()
+    first = text.index("<inertial")
+    last = text.index("/>", first)
+    for quat in rotations(30):
+        inertial = (
+            f'<inertial mass="3" pos="0.01 0.02 0.03" quat="{" ".join(map(str, quat))}" '
+            f'diaginertia="{" ".join(map(str, moments))}"'
+        )
+        model = mujoco.MjModel.from_xml_string(text[:first] + inertial + text[last:])
+        planar = planar_model(model)
+        np.testing.assert_allclose(np.sort(planar.body_inertia[2]), np.sort(moments), rtol=1e-9)
+
+
+def test_what_mujoco_refuses_is_bad_input():
+    model = robot_model()
+    model.body_inertia[model.body("upper_arm").id] = [0.1, 0.1, 0.5]
+    with pytest.raises(InputError, match="inertia") as caught:
+        planar_model(model)
+    assert "\n" not in str(caught.value)

@@ -7,7 +7,7 @@ import pytest
 from sims.robots import load_robot
 
 FOLDER = Path(__file__).resolve().parents[2] / "robots"
-NAMES = ("seven_joints.xml", "mecanum.xml", "big_arm.urdf")
+NAMES = ("seven_joints.xml", "mecanum.xml", "big_arm.urdf", "big_arm.xml")
 
 
 @pytest.fixture(scope="session", params=NAMES)

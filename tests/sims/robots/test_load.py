@@ -84,9 +84,11 @@ def test_spheres_ride_where_mujoco_puts_the_geoms(x64, tmp_path):
     capsule = centers[frame == 4]
     ends = data.geom_xpos[1] + 0.2 * np.outer([-1, 1], data.geom_xmat[1].reshape(3, 3)[:, 2])
     np.testing.assert_allclose([capsule[0], capsule[-1]], ends, atol=1e-9)
-    # the box's corners, and nothing of it outside; the brush is not among the spheres
+    # the box's cells, cubes of 0.2 m; the brush is not among the spheres
     local = (centers[frame == 2] - data.geom_xpos[0]) @ data.geom_xmat[0].reshape(3, 3)
-    np.testing.assert_allclose(np.abs(local).max(0), [0.3, 0.2, 0.1], atol=1e-9)
+    cells = [[x, y, 0] for x in (-0.2, 0, 0.2) for y in (-0.1, 0.1)]
+    np.testing.assert_allclose(local, cells, atol=1e-9)
+    np.testing.assert_allclose(np.asarray(robot.spheres.radius)[frame == 2], np.sqrt(3) * 0.1, rtol=1e-9)
     assert not (frame == 5).any()
 
 
@@ -107,7 +109,7 @@ def test_defaults_of_a_file_that_says_little(tmp_path):
     assert np.linalg.norm(robot.drive.position, axis=1).min() > 0.2  # holonomic
     assert float(robot.drive.rate_limit) * 0.02 > np.pi
     np.testing.assert_allclose(robot.home, [0.5, 0.4, 0.2], rtol=1e-6)
-    np.testing.assert_allclose(robot.T_base_lidar.p, 0)
+    np.testing.assert_allclose(robot.T_base_lidar.p, [0, 0, 0.4], atol=1e-6)  # the box's top
 
 
 @pytest.mark.parametrize(
@@ -137,6 +139,46 @@ def test_defaults_of_a_file_that_says_little(tmp_path):
             "<actuator><velocity joint='one' kv='1' ctrlrange='-999 999'/></actuator></mujoco>",
             "999",
         ),
+        ('site name="brush" pos="0.1 0 0"', 'site name="brush" pos="nan 0 0"', "site pos is not finite"),
+        ('euler="15 0 5"', 'quat="nan 0 0 1"', "site quat is not finite"),
+        ('qpos="0 0 0 0.5 0.4 0.2"', 'qpos="0 0 0 0.5 nan 0.2"', "key qpos is not finite"),
+        (
+            '<geom name="box"',
+            '<geom pos="inf 0 0" size="1" mass="0"/><geom name="box"',
+            "geom pos is not finite",
+        ),
+        ('axis="1 2 3"', 'axis="1 2 3" damping="nan"', "dof damping is not finite"),
+        ('axis="1 2 3"', 'axis="1 2 3" armature="nan"', "dof armature is not finite"),
+        (
+            "</mujoco>",
+            "<actuator><velocity joint='one' kv='nan' ctrlrange='-1 1'/></actuator></mujoco>",
+            "actuator gainprm is not finite",
+        ),
+        (
+            "</mujoco>",
+            "<actuator><velocity joint='one' kv='1' forcerange='-nan nan'/></actuator></mujoco>",
+            "actuator forcerange is not finite|not an MJCF",
+        ),
+        (
+            "</mujoco>",
+            "<custom><numeric name='arm_acceleration' data='1 inf 1'/></custom></mujoco>",
+            "'arm_acceleration' is .1.0, inf, 1.0.; allowed: 3 positive numbers",
+        ),
+        (
+            '<worldbody><body name="b"',
+            '<worldbody><site name="pen"/><body name="b"',
+            "site 'brush' is fixed to the world; allowed: on the arm's last link",
+        ),
+        (
+            "</mujoco>",
+            "<actuator><motor joint='two' ctrlrange='-0.5 0.5'/></actuator></mujoco>",
+            "the weight on joint 'two' asks for [0-9.]+ N m; allowed: its limit of 0.5 N m",
+        ),
+        (
+            "</mujoco>",
+            "<actuator><motor joint='three' ctrlrange='-0.5 0.5'/></actuator></mujoco>",
+            "the weight on joint 'three' asks for [0-9.]+ N; allowed: its limit of 0.5 N,",
+        ),
         ("</mujoco>", "", "odd.xml.*not an MJCF that MuJoCo reads"),
     ],
 )
@@ -146,9 +188,28 @@ def test_bad_robots_are_named_in_one_line(tmp_path, monkeypatch, found, put, mes
     assert found in LEVEL
     path.write_text(LEVEL.replace(found, put))
     with pytest.raises(InputError, match=message) as caught:
-        load_robot(path)
+        load_robot(path, brush_site="pen" if 'name="pen"/><body' in put else "brush")
     assert "odd.xml" in str(caught.value) and "\n" not in str(caught.value)
     assert list(tmp_path.iterdir()) == [path], "MuJoCo's own log is kept out of the working folder"
+
+
+def test_a_motor_that_just_holds_the_arm_at_home_is_taken(tmp_path):
+    """The weight is MuJoCo's: with the joint's motor at just that torque, gravity and motor cancel."""
+    path = tmp_path / "odd.xml"
+    path.write_text(LEVEL)
+    model = robot_model(path)
+    data = mujoco.MjData(model)
+    data.qpos[:] = [0, 0, 0, 0.5, 0.4, 0.2]
+    mujoco.mj_inverse(model, data)
+    need = abs(data.qfrc_inverse[model.joint("two").dofadr[0]])
+    for share, taken in ((1.001, True), (0.999, False)):
+        limit = f"actuatorfrcrange='{-share * need} {share * need}'"
+        path.write_text(LEVEL.replace('name="two"', f'name="two" {limit}'))
+        if taken:
+            load_robot(path)
+        else:
+            with pytest.raises(InputError, match="the weight on joint 'two'"):
+                load_robot(path)
 
 
 def test_a_ball_in_the_arm_is_refused(tmp_path):

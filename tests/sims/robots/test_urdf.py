@@ -29,6 +29,8 @@ def test_limits_of_the_file(quick, tmp_path, urdf_text):
     np.testing.assert_allclose(robot.torque_limit[3:], [330, 330, 150, 56, 56, 56])
     assert float(robot.upper[5]) > 6 * np.pi  # continuous
     np.testing.assert_allclose(robot.upper[2], np.pi, rtol=1e-6)
+    # above the floor, onto which the root link was lifted by 0.09 m
+    np.testing.assert_allclose(robot.T_base_lidar.p, [0.315, 0, 0.45], atol=1e-6)
 
 
 def test_the_base_is_added_and_stands_on_the_floor(tmp_path, urdf_text):
@@ -107,7 +109,9 @@ def test_meshes_beside_the_file_and_in_packages(quick, tmp_path, urdf_text):
         last = np.asarray(robot.spheres.center)[np.asarray(robot.spheres.frame) == 8]
         in_brush = (last - np.asarray(robot.chain.p_tool)) @ np.asarray(robot.chain.R_tool)
         mine = in_brush[np.isclose(in_brush[:, 1], -0.075, atol=1e-3)]
-        np.testing.assert_allclose(np.ptp(mine[:, 0]), 0.1, atol=1e-3)  # a row along its longest side
+        # a row along its longest side, its spheres in the middles of equal lengths
+        np.testing.assert_allclose(np.ptp(mine[:, 0]), 0.1 * (1 - 1 / len(mine)), atol=1e-3)
+        assert len(mine) > 3
     path = written(folder, with_mesh(urdf_text, "../meshes/eye.stl", "visual"))
     model = robot_model(path)  # a picture stands for a body that says nothing of its shape
     assert (model.geom_type == int(mujoco.mjtGeom.mjGEOM_MESH)).sum() == 1
@@ -124,6 +128,31 @@ def test_meshes_beside_the_file_and_in_packages(quick, tmp_path, urdf_text):
         ('<mass value="13.051"/>', '<mass value="0"/>', "'shoulder_lift_link' has mass '0'"),
         ('<mass value="13.051"/>', '<mass value="nan"/>', "'shoulder_lift_link' has mass 'nan'"),
         ('velocity="2.0944"', 'velocity="0"', "'shoulder_pan_joint' has velocity 0; allowed: above 0"),
+        ('effort="150"', 'effort="0"', "'elbow_joint' has effort '0'; allowed: a number above 0"),
+        ('effort="150"', 'effort="nan"', "'elbow_joint' has effort 'nan'"),
+        ('effort="150"', 'effort="-150"', "'elbow_joint' has effort '-150'"),
+        ('effort="150"', 'effort="inf"', "'elbow_joint' has effort 'inf'"),
+        (
+            'lower="-3.141592653589793" upper="3.141592653589793"',
+            'lower="3.1" upper="-3.1"',
+            "'elbow_joint' has lower '3.1' and upper '-3.1'; allowed: lower below upper",
+        ),
+        (
+            'lower="-3.141592653589793" upper="3.141592653589793"',
+            'lower="nan" upper="3.1"',
+            "'elbow_joint' has lower 'nan' and upper '3.1'",
+        ),
+        (
+            '<limit lower="-3.141592653589793" upper="3.141592653589793" effort="150" velocity="3.1416"/>',
+            "",
+            "'elbow_joint' has no <limit>; allowed: lower below upper, or type continuous",
+        ),
+        (
+            '<limit lower="-3.141592653589793" upper="3.141592653589793" effort="150"',
+            '<mimic joint="shoulder_lift_joint"/><limit lower="-3" upper="3" effort="150"',
+            "'elbow_joint' has a <mimic>; allowed: joints that move by themselves",
+        ),
+        ('effort="150"', 'effort="20"', r"joint 'elbow_joint' asks for .* N m; allowed: its limit of 20 N m"),
         ('velocity="2.0944"', 'velocity="1e6"', "speed limit of 1e.06; allowed: above 0, up to 100"),
         ('<link name="base_link">', '<link name="base_link" xmlns:xacro="urn:xacro"><xacro:tool/>', "xacro"),
         (
@@ -139,6 +168,28 @@ def test_bad_files_are_named_in_one_line(quick, tmp_path, urdf_text, found, put,
     with pytest.raises(InputError, match=message) as caught:
         load_robot(written(tmp_path, urdf_text.replace(found, put)))
     assert "own.urdf" in str(caught.value) and "\n" not in str(caught.value)
+
+
+def test_fingers_may_imitate_each_other(quick, tmp_path, urdf_text):
+    """What is not on the way to the brush is not planned with."""
+    finger = (
+        '<link name="finger"/><joint name="finger_joint" type="prismatic"><parent link="tool0"/>'
+        '<child link="finger"/><limit lower="0" upper="0" effort="0" velocity="1"/>'
+        '<mimic joint="wrist_3_joint"/></joint></robot>'
+    )
+    robot = load_robot(written(tmp_path, urdf_text.replace("</robot>", finger)))
+    assert robot.home.shape == (6,)
+
+
+@pytest.mark.parametrize("encoding", ["foo", "gbk"])
+@pytest.mark.parametrize("name", ["own.urdf", "own.xml"])
+def test_encodings_that_are_not_read(tmp_path, urdf_text, encoding, name):
+    text = urdf_text.replace('<?xml version="1.0"?>', f'<?xml version="1.0" encoding="{encoding}"?>')
+    assert encoding in text
+    (tmp_path / name).write_text(text)
+    with pytest.raises(InputError, match="not XML") as caught:
+        robot_model(tmp_path / name)
+    assert "\n" not in str(caught.value)
 
 
 @pytest.mark.parametrize(

@@ -49,7 +49,7 @@ def test_pairs_are_steered_and_need_not_be_four(tmp_path):
 
 def test_wheels_alone_are_mecanum_with_the_files_roller_angle(tmp_path):
     wheels = "".join(wheel("wheel", *item) for item in CORNERS.items())
-    for numeric, slope in (("", 1.0), ('<numeric name="roller_angle" data="0.5"/>', np.tan(0.5))):
+    for numeric, slope in (("", 1.0), ('<numeric name="roller_angle" data="0.5"/>', 1 / np.tan(0.5))):
         drive = robot(tmp_path, wheels, numeric).drive
         assert isinstance(drive, RollerWheels)
         np.testing.assert_allclose(drive.rows[:, 1], slope * np.array([-1, 1, 1, -1]), rtol=1e-6)

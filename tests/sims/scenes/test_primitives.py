@@ -49,7 +49,8 @@ def _field(steps=64):
         jnp.asarray(0.4),
         jnp.asarray(0.02),
     )
-    return HeightField(surface, jnp.asarray(-0.06), jnp.asarray(0.06), _grey(), steps)
+    nowhere = jnp.zeros(depth.shape, dtype=bool)
+    return HeightField(surface, jnp.asarray(-0.06), jnp.asarray(0.06), _grey(), nowhere, steps)
 
 
 BODIES = {
@@ -203,6 +204,7 @@ def test_the_rim_of_an_object_stops_a_ray_without_a_reading(x64, strict_ranks):
         field.near,
         field.far,
         _grey(),
+        field.empty,
     )
     start, along = _numbers(-1.0, 0.1, 1.0), _numbers(1.0, 0.0, 0.0)
     hits = _cast(holed, jnp.tile(start, (100, 1)), jnp.tile(along, (100, 1)))
