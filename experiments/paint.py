@@ -142,6 +142,7 @@ def _columns(rows: list[WorldScore], missions: list[Mission], options: PaintOpti
         "excess": "excess",
         "stroke_error": "stroke_error_mean",
         "stroke_error_p95": "stroke_error_p95",
+        "stroke_error_judged": "stroke_error_judged",
         "thickness_cv": "thickness_cv",
         "gap_length": "gap_length",
         "odometry_drift": "odometry_drift_mean",
