@@ -19,6 +19,7 @@ from experiments.report.stroke_preview import stroke_preview
 from sims.painting.decide import Chooser
 from sims.painting.lay import paint_scores
 from sims.painting.mission import Mission, run_mission
+from sims.painting.views_seen import share_seen
 from sims.rollout import RECORD_EVERY
 from sims.scoring import WorldScore, summarise, world_scores
 
@@ -41,6 +42,7 @@ COLUMNS = {
     "excess": "excess",
     "stroke_error": "stroke_error_mean",
     "stroke_error_p95": "stroke_error_p95",
+    "stroke_error_judged": "stroke_error_judged",
     "thickness_cv": "thickness_cv",
     "gap_length": "gap_length",
     "odometry_drift": "odometry_drift_mean",
@@ -150,12 +152,15 @@ def _passes(task: PaintTask) -> list[dict]:
 
 
 def _viewpoints(task: PaintTask) -> dict:
-    """How many views the scan takes, the fewest there could be, and the share of the area they cover."""
-    views = task.views
+    """How many views the scan takes, the fewest there could be, and the share of the area that they cover: as
+    the planner's model has it, and by true rays.
+    """
+    views, job = task.views, task.job
     return {
         "views": len(views.camera),
         "lower_bound": int(views.lower_bound),
         "coverage": float(views.coverage),
+        "coverage_seen": share_seen(job.scene, job.canvas, job.camera, views),
     }
 
 

@@ -96,6 +96,7 @@ def paint_task(options: PaintOptions) -> PaintTask:
         seed=jax.random.key_data(seed),
         fidelity=_fidelity(options),
         colour=jnp.asarray(strokes.colour, jnp.int32),
+        colours=len(drawing.colours),
         tool_change=jnp.asarray(options.tool_change_time),
     )
     extent = canvas_extent(scene, canvas, margin=_RIM + 2 * options.brush_radius)

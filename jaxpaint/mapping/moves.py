@@ -14,6 +14,10 @@ _SHARE = 0.5**0.5
 """Of the acceleration, for each of two motions at right angles."""
 
 
+CHANGE_TIME = 10.0
+"""Time that a change of the tool takes [s]: a guess of what a person with the next brush at hand needs."""
+
+
 class MoveSettings(eqx.Module):
     """Numbers of the pen-up moves; all traced.
 
@@ -33,7 +37,7 @@ class MoveSettings(eqx.Module):
     acceleration: Float[Array, ""] = eqx.field(default=1.0, converter=jnp.asarray)
     turn_rate: Float[Array, ""] = eqx.field(default=0.8, converter=jnp.asarray)
     change_height: Float[Array, ""] = eqx.field(default=0.25, converter=jnp.asarray)
-    change_time: Float[Array, ""] = eqx.field(default=5.0, converter=jnp.asarray)
+    change_time: Float[Array, ""] = eqx.field(default=CHANGE_TIME, converter=jnp.asarray)
 
 
 class Move(eqx.Module):
@@ -115,6 +119,11 @@ def move_time(move: Move, settings: MoveSettings) -> Float[Array, ""]:
     """Time of the move [s]."""
     lift, begin, slide = _times(move, settings)
     return jnp.where(move.rises & move.lowers, begin + slide + lift / 2, lift)
+
+
+def lift_time(move: Move, settings: MoveSettings) -> Float[Array, ""]:
+    """Time from the start of a move that rises to its top [s]: there, and not before, the tool is changed."""
+    return _times(move, settings)[0]
 
 
 def move_pose(

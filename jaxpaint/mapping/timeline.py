@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from jaxpaint.mapping.mapped import Cause, Mapped
-from jaxpaint.mapping.moves import Move, MoveSettings, move_pose, move_time, plan_move
+from jaxpaint.mapping.moves import Move, MoveSettings, lift_time, move_pose, move_time, plan_move
 from jaxpaint.mapping.planes import unit
 from jaxpaint.mapping.runs import Runs, find_runs, linked, smooth_normals, steps
 from jaxpaint.mapping.time_law import time_for, travelled
@@ -64,7 +64,7 @@ class TimedPath(eqx.Module):
 
     position [m]; rotation R_map_brush: z into the surface, x along the canvas' u, y = z x x; velocity [m/s];
     angular_velocity in map axes [rad/s]; pen: 1 down, 0 up; run: the run that is drawn or moved to; colour:
-    the tool of that run; live: the path has not ended. After its end the brush stays.
+    the tool in hand; live: the path has not ended. After its end the brush stays.
     """
 
     position: Float[Array, "T 3"]
@@ -178,21 +178,19 @@ def sample(path: BrushPath, dt: Float[Array, ""], steps: int) -> TimedPath:
 
     position, rotation, velocity, angular, pen, run = jax.lax.map(at, time, batch_size=_TIMES_AT_ONCE)
     return TimedPath(
-        position, rotation, velocity, angular, pen, run, path.runs.colour[run], (time < path.end)
+        position, rotation, velocity, angular, pen, run, colour_at(path, time), (time < path.end)
     )
 
 
 def colour_at(path: BrushPath, time: Float[Array, "*t"]) -> Int[Array, "*t"]:
-    """The tool in hand at times of the path [s]: it changes at the begin of the move to the first run that it
-    draws.
+    """The tool in hand at times of the path [s]: it changes at the top of the move to the first run that it
+    draws, when the brush has left the surface.
     """
-    return path.runs.colour[_run_at(path, time)]
-
-
-def _run_at(path: BrushPath, time: Float[Array, "*t"]) -> Int[Array, "*t"]:
-    """The run that is drawn or moved to."""
-    last = jnp.maximum(jnp.sum(path.runs.live) - 1, 0)
-    return jnp.clip(jnp.searchsorted(path.begins, time, side="right") - 1, 0, last)
+    number = jnp.sum(path.runs.live)
+    lifts = jax.vmap(lambda move: lift_time(move, path.settings.move))(path.moves)
+    taken = path.begins + jnp.where(jnp.arange(lifts.shape[0]) <= number, lifts, 0)
+    run = jnp.searchsorted(taken, time, side="right") - 1
+    return path.runs.colour[jnp.clip(run, 0, jnp.maximum(number - 1, 0))]
 
 
 def _pose(path: BrushPath, time: Float[Array, ""]):

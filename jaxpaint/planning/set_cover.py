@@ -24,11 +24,6 @@ class Cover:
     bound: int
     covered: float
 
-    @property
-    def proven(self) -> bool:
-        """Whether there is no smaller cover."""
-        return len(self.chosen) == self.bound
-
 
 def set_cover(has: Bool[np.ndarray, "sets elements"]) -> Cover:
     """The fewest sets that have every element which any set has, by branch and bound."""

@@ -3,15 +3,24 @@
 import dataclasses
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Array, Bool, Float
 from scipy.spatial import KDTree
 
-# Clutter may be this much higher than the beams that met it [m].
+# Clutter may be this much higher than the beams that met it [m]: a crate, a bucket or a paint tray, as it
+# stands where people paint. What is higher before a canvas hides it, and then the canvas is ill placed.
 CLUTTER = 0.25
-# Echoes this far before the canvas, and up to this far beside it, are clutter and not the wall [m].
-_BEFORE, _BESIDE = 0.05, 0.3
-# Steps of a drive at which its way is looked at [m]; a turn counts with the length of the footprint.
+# Echoes this far before the canvas are clutter and not the wall: more than the lidar's noise, less than any
+# thing is thick [m].
+_BEFORE = 0.05
+# And up to this far beside it: there the wall behind is known from the canvas' outline [m].
+_BESIDE = 0.3
+# Steps of a drive at which its way is looked at [m], shorter than what hides between them; a turn counts with
+# the length of the footprint.
 _STEP = 0.05
+
+
+# Rows of NumPy for planning on the host, of JAX inside of compiled programs.
+Xs = np.ndarray | Array
 
 
 @dataclasses.dataclass(frozen=True)
@@ -42,18 +51,31 @@ def surroundings(
     width: float,
     lidar: float,
 ) -> Surroundings:
-    """Sorts the lidar's echoes (NaN for none): what stands before a canvas is clutter, all else walls.
+    """Sorts the lidar's echoes (NaN for none) into clutter and walls, by `is_clutter`.
 
     center, yaw, width: the canvas' middle [m], heading of its rays [rad] and width [m]. lidar: height of the
-    beams [m]. A planar lidar knows no heights; a wall is the safe guess except where the wall is known to be
-    further back.
+    beams [m].
     """
     known = echoes[np.isfinite(echoes).all(-1)]
-    offset = known - center[:2]
-    depth = offset @ np.array([np.cos(yaw), np.sin(yaw)])
-    across = offset @ np.array([np.sin(yaw), -np.cos(yaw)])
-    low = (depth < -_BEFORE) & (np.abs(across) < width / 2 + _BESIDE)
+    low = is_clutter(known, center[:2], np.array([np.cos(yaw), np.sin(yaw)]), width)
     return Surroundings(known[~low], known[low], lidar + CLUTTER)
+
+
+def is_clutter(
+    echoes: Float[Xs, "beams 2"],
+    center: Float[Xs, "2"],
+    ray: Float[Xs, "2"],
+    width: Float[Xs, ""] | float,
+) -> Bool[Xs, " beams"]:
+    """Which of the lidar's echoes are low: what stands before a canvas is clutter, all else a wall.
+
+    center: of the canvas, ray: its rays' level unit direction, width: its own [m]; all NumPy or all JAX. A
+    planar lidar knows no heights. A wall, at all heights, is the safe guess except where the wall is known
+    to be further back. An echo that is NaN is no clutter.
+    """
+    offset = echoes - center
+    depth, across = offset @ ray, offset[:, 0] * ray[1] - offset[:, 1] * ray[0]
+    return (depth < -_BEFORE) & (abs(across) < width / 2 + _BESIDE)
 
 
 def stands_clear(

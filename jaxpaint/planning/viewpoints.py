@@ -16,10 +16,13 @@ from jaxpaint.planning.stops import blocked_ways, candidate_stops, facing_stop, 
 from jaxpaint.planning.surroundings import Surroundings
 from jaxpaint.planning.visits import shortest_order
 
-# Bases tried for a square view, and for any; a view that sees less than this share of what the best one sees
-# is not tried.
-_BASES, _WORTH = (16, 8), 0.4
-# A camera stays this far from everything [m].
+# Bases tried for a square view, and for any. Sixteen are all stops within reach of a view; among all views
+# there are ten times as many pairs to solve, and each cover has others to choose from.
+_BASES = 16, 8
+# A view that sees less than this share of what the best one sees is not tried: with two of those in place of
+# one, a cover has a view more than it needs.
+_WORTH = 0.4
+# A camera stays this far from everything [m]: half its own width, and what the base may stand off.
 _CAMERA_GAP = 0.15
 
 
@@ -28,8 +31,10 @@ class Viewpoints:
     """Camera poses in the order of visiting; views from one base pose follow each other.
 
     camera: positions in the map frame [m], rotation: R_map_camera, OpenCV axes. base: poses (x, y, yaw) from
-    which they are reached, joints: the arm's there [rad]. lower_bound: no choice of views covers the area
-    with fewer. coverage: share of the area that they see, as planned; views of nothing else are left out.
+    which they are reached, joints: the arm's there [rad]. lower_bound: no choice of views whatever covers the
+    whole area with fewer, see `lower_bound`. candidate_bound: no choice among the views that were considered
+    covers with fewer what these can see, reached or not. coverage: share of the area that the chosen ones
+    see, as planned; views of nothing else are left out.
     reachable: False where the arm reaches no view at all: then these are the views it would need. clear:
     whether the straight way between consecutive bases is free of what the lidar saw.
     """
@@ -39,6 +44,7 @@ class Viewpoints:
     base: Float[np.ndarray, "views 3"]
     joints: Float[np.ndarray, "views arm"]
     lower_bound: int
+    candidate_bound: int
     coverage: float
     reachable: bool
     clear: bool
@@ -59,31 +65,43 @@ def plan_viewpoints(
     """The fewest views that cover the area, from the fewest stops, on a short way that ends at its left.
 
     field: width and height of the picture at distance 1 [m]. clearance: of the base from anything [m]. Square
-    views are tried first; all others where those are not as few as the bound. What no reachable view sees is
-    left out and counted in `coverage`.
+    views are tried first; all others where those are not as few as the candidates' bound. What no reachable
+    view sees is left out and counted in `coverage`.
     """
     s = settings or ViewSettings()
     cameras = camera_candidates(area, field, s)
     cameras = cameras[around.gap(cameras.place) > _CAMERA_GAP]
     sees = footprints(cameras, area, field, around, s)
     cameras, sees = cameras[sees.any(1)], sees[sees.any(1)]
-    bound = lower_bound(sees)
+    bounds = lower_bound(area, field, s), candidate_bound(sees)
     stops = candidate_stops(area, arm, around, clearance)
     best = None
     for tried, most in zip((cameras.square, np.ones(len(cameras), bool)), _BASES, strict=True):
         found = _reached(arm, cameras[tried], sees[tried], stops, around, most)
-        plan = _planned(found, area, arm, around, clearance, bound) if len(found.camera) else None
+        plan = _planned(found, area, arm, around, clearance, bounds) if len(found.camera) else None
         if plan is not None and (best is None or _better(plan, best)):
             best = plan
-        if best is not None and best.coverage == 1 and len(best) <= bound:
+        if best is not None and best.coverage == 1 and len(best) <= best.candidate_bound:
             break
-    return best or _out_of_reach(cameras, sees, area, arm, bound)
+    return best or _out_of_reach(cameras, sees, area, arm, bounds)
 
 
-def lower_bound(sees: Bool[np.ndarray, "cameras points"]) -> int:
-    """No fewer views cover what can be seen: the area over the largest footprint, and the linear programme.
+def lower_bound(area: OperatingArea, field: tuple[float, float], s: ViewSettings) -> int:
+    """No fewer views cover the whole area, wherever the camera is and looks: by area alone.
 
-    Over all candidates, whether they can be reached or not.
+    The largest footprint is that of a square view from the greatest depth that the camera measures well, all
+    of its picture. A flat surface that is seen at an angle has a nearer side, of which less is in the picture
+    than the slant adds; one that bends to the camera or away from it is nearer too. What is to be covered is
+    the area with the rim that footprints leave out, see `footprints`.
+    """
+    rim = s.overlap + area.spacing
+    width, height = (x + rim for x in area.size)
+    return math.ceil(width * height / (field[0] * field[1] * s.depths[1] ** 2) - 1e-9)
+
+
+def candidate_bound(sees: Bool[np.ndarray, "cameras points"]) -> int:
+    """No fewer of these views cover what they can see: the area over the largest of their footprints, and the
+    linear programme.
     """
     if not sees.any():
         return 0
@@ -108,7 +126,12 @@ def _reached(arm: CameraArm, cameras: Cameras, sees, stops, around: Surroundings
 
 
 def _planned(
-    found: Candidates, area: OperatingArea, arm: CameraArm, around: Surroundings, clearance: float, bound: int
+    found: Candidates,
+    area: OperatingArea,
+    arm: CameraArm,
+    around: Surroundings,
+    clearance: float,
+    bounds: tuple[int, int],
 ) -> Viewpoints:
     """The fewest of the reached views in the order of visiting."""
     views = serve(found, area, arm, around, clearance)
@@ -122,7 +145,7 @@ def _planned(
         found.cameras.rotation[camera],
         found.stops[found.stop[pairs]],
         found.joints[pairs],
-        bound,
+        *bounds,
         float(found.sees[camera].any(0).mean()),
         True,
         clear,
@@ -142,9 +165,13 @@ def _visits(found: Candidates, views, stops, home) -> Int[np.ndarray, " views"]:
     return np.array(order, int)
 
 
-def _out_of_reach(cameras: Cameras, sees, area: OperatingArea, arm: CameraArm, bound: int) -> Viewpoints:
+def _out_of_reach(
+    cameras: Cameras, sees, area: OperatingArea, arm: CameraArm, bounds: tuple[int, int]
+) -> Viewpoints:
     """The views that would be needed, from the base pose before the area's middle."""
     chosen = set_cover(sees).chosen
     base = np.tile(facing_stop(area, sum(area.arc) / 2, arm), (len(chosen), 1))
     joints = np.tile(np.asarray(arm.home, float), (len(chosen), 1))
-    return Viewpoints(cameras.place[chosen], cameras.rotation[chosen], base, joints, bound, 0.0, False, False)
+    return Viewpoints(
+        cameras.place[chosen], cameras.rotation[chosen], base, joints, *bounds, 0.0, False, False
+    )

@@ -16,8 +16,9 @@ class Films:
     """Film thickness [worlds, colours, rows, columns] in metres.
 
     Where all worlds fit into `HELD` bytes they are kept. Else they are laid again, group by group, whenever
-    somebody asks: laying gives the same bits each time. Reads like an array: one world by its index, all of
-    them by `np.asarray`, and as many as lie in memory at once by `groups`.
+    somebody asks: laying gives the same bits each time. One world is had by its index from 0 (IndexError
+    beyond the last, and below 0), all of them by `np.asarray`, and as many as lie in memory at once by
+    `groups`.
     """
 
     def __init__(self, shape: tuple[int, ...], groups: tuple[Group, ...], lay: Callable, first: Any = None):
@@ -44,13 +45,15 @@ class Films:
         return self.shape[0]
 
     def __getitem__(self, world: int) -> Float[np.ndarray, "colours rows columns"]:
+        if not 0 <= world < len(self):
+            raise IndexError(f"world: found {world}, allowed: 0 to {len(self) - 1}")
         number = next(k for k, worlds in enumerate(self._groups) if world <= worlds[-1])
-        place = world - int(self._groups[number][0])
-        for films in self._films(number):
-            if place < len(films):
-                return films[place]
+        pieces, place = iter(self._films(number)), world - int(self._groups[number][0])
+        films = next(pieces)
+        while place >= len(films):
             place -= len(films)
-        raise IndexError(f"world: found {world}, allowed: 0 to {len(self) - 1}")
+            films = next(pieces)
+        return films[place]
 
     def __array__(self, dtype=None, copy=None) -> np.ndarray:
         whole = np.concatenate([films for _, films in self.groups()])

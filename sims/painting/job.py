@@ -6,6 +6,7 @@ from jaxtyping import Array, Float, Int, PRNGKeyArray, UInt32
 
 from jaxpaint.decisions.thresholds import Thresholds
 from jaxpaint.mapping.canvas import Canvas
+from jaxpaint.mapping.moves import CHANGE_TIME
 from jaxpaint.mapping.raycast import MappingSettings
 from opt.wbc import ControllerSettings, RobotLimits
 from sims.noise import NoisePreset
@@ -26,7 +27,8 @@ class Job(eqx.Module):
     camera_rotation, camera_base: the viewpoints, see `jaxpaint.planning.Viewpoints`. echoes: what the lidar
     saw of the wall before the scan (x, y) [m], NaN for nothing. seed: key data of the job's random numbers.
     speed: of the brush [m/s]. fidelity: how truly worlds move. colour: of each stroke; None: all are one.
-    tool_change: time that a change of colour takes [s].
+    colours: how many the picture has, with and without strokes. tool_change: time that a change of colour
+    takes [s].
     """
 
     robot: Robot
@@ -50,7 +52,8 @@ class Job(eqx.Module):
     seed: UInt32[Array, "2"]
     fidelity: Fidelity = Kinematic()
     colour: Int[Array, " strokes"] | None = None
-    tool_change: Float[Array, ""] | float = 10.0
+    colours: int = eqx.field(static=True, default=1)
+    tool_change: Float[Array, ""] | float = CHANGE_TIME
 
     def key(self, world: Int[Array, ""], purpose: int | Int[Array, ""]) -> PRNGKeyArray:
         """A world's random numbers for one purpose: they depend on its index, not on who runs beside it."""

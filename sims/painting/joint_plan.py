@@ -19,8 +19,9 @@ from sims.worlds import World, standing
 
 _UNITS = {"hinge": "rad", "slide": "m"}
 _PEN = -1
-# The whole-body controller's plan ends on the way out; the robot comes to rest within this time [s].
-_STOP = 0.5
+# The whole-body controller's plan ends on the way out: the robot comes to rest within this time [s], which is
+# enough from 0.25 m/s, or else at this share of its acceleration.
+_STOP, _BRAKING = 0.5, 0.95
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -46,7 +47,9 @@ def planned_joint_trajectory(
 
     world: row of the mission's group. number: the world's index in the run, where that is another. Nothing
     slips: each part begins where the plan of the one before ends. The strokes are those that this world
-    mapped. Raises ValueError where the plan has a number that is not finite.
+    mapped. Accelerations that come and go at once are `eased`. Where one is beyond the robot's limit still,
+    as of a base whose steered wheels turn while it speeds up, all takes longer by as much as that asks for.
+    Raises ValueError where the plan has a number that is not finite.
     """
     index = np.array([world if number is None else number])
     painting = jax.tree.map(lambda x: np.asarray(x)[world : world + 1], mission.painting)
@@ -59,17 +62,19 @@ def planned_joint_trajectory(
     lag = (RECORD_EVERY - 1) * _seconds(job.dt)
     parts = [(scan, 0.0), (there, 0.0), (paint, lag)]
     broken = any(_rows_of(plan, lag) < 2 for plan, lag in parts)
-    time, rows = (np.zeros(0), np.full((1, 1), np.nan)) if broken else _stopped(*_joined(parts))
+    limit = np.asarray(job.robot.acceleration_limit, float)
+    time, rows = (np.zeros(0), np.full((1, 1), np.nan)) if broken else _stopped(*_joined(parts), limit)
     if not np.isfinite(rows).all():
         raise ValueError(f"world {index[0]}: found a plan that is not finite, allowed: a world with a plan")
     chain = job.robot.chain
-    return smooth_trajectory(
-        chain.names,
-        tuple(_UNITS[kind] for kind in chain.kinds),
-        time,
-        rows[:, : chain.size],
-        rows[:, _PEN] > 0.5,
-    )
+    units = tuple(_UNITS[kind] for kind in chain.kinds)
+    position = eased(time, _unwrapped(units, rows[:, : chain.size]))
+    pen = rows[:, _PEN] > 0.5
+    found = smooth_trajectory(chain.names, units, time, position, pen)
+    share = float((np.abs(found.acceleration) / limit).max())  # linear between samples: largest at one
+    if share <= 1:
+        return found
+    return smooth_trajectory(chain.names, units, time * np.sqrt(share), position, pen)
 
 
 def smooth_trajectory(
@@ -86,10 +91,32 @@ def smooth_trajectory(
     """
     from scipy.interpolate import CubicSpline
 
-    turns = np.array([unit == "rad" for unit in units])
-    position = np.where(turns, np.unwrap(position, axis=0), position)
+    position = _unwrapped(units, position)
     spline = CubicSpline(time, position, bc_type="clamped")
     return JointTrajectory(names, units, time, position, spline(time, 1), spline(time, 2), pen)
+
+
+def eased(
+    time: Float[np.ndarray, " t"], position: Float[np.ndarray, "t joints"]
+) -> Float[np.ndarray, "t joints"]:
+    """The positions at which a cubic B-spline passes that has these as control points; the ends stay.
+
+    A spline through positions whose acceleration begins at once swings beyond it, by up to a third. At even
+    times h the B-spline's acceleration is the second difference over h^2: between samples too it is nowhere
+    larger than the mean acceleration about a sample, so that limits which the plan keeps are kept. It is off
+    by h^2 / 6 of the acceleration, base and arm alike, so that the brush hardly moves.
+    """
+    before, after = np.diff(time)[:-1, None], np.diff(time)[1:, None]
+    slope = np.diff(position, axis=0) / np.diff(time)[:, None]
+    bend = np.diff(slope, axis=0) / (before + after)
+    out = position.copy()
+    out[1:-1] += before * after / 3 * bend
+    return out
+
+
+def _unwrapped(units: tuple[str, ...], position: np.ndarray) -> np.ndarray:
+    turns = np.array([unit == "rad" for unit in units])
+    return np.where(turns, np.unwrap(position, axis=0), position)
 
 
 def _resting(job: Job, plan: JointPlan, wheels: int) -> World:
@@ -125,12 +152,13 @@ def _joined(parts: list[tuple[JointPlan, float]]) -> tuple[np.ndarray, np.ndarra
     return np.concatenate(times), np.concatenate(rows)
 
 
-def _stopped(time: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _stopped(time: np.ndarray, rows: np.ndarray, limit: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The same with a stop at constant deceleration, pen up, from the velocity of the last two rows."""
     step = time[-1] - time[-2]
-    after = np.linspace(0, _STOP, max(2, round(_STOP / step)) + 1)[1:]
     velocity = (rows[-1] - rows[-2]) / step
-    tail = rows[-1] + velocity * (after - after**2 / (2 * _STOP))[:, None]
+    stop = max(_STOP, float((np.abs(velocity[: len(limit)]) / (_BRAKING * limit)).max()))
+    after = np.linspace(0, stop, max(2, round(stop / step)) + 1)[1:]
+    tail = rows[-1] + velocity * (after - after**2 / (2 * stop))[:, None]
     tail[:, _PEN] = 0
     return np.concatenate([time, time[-1] + after]), np.concatenate([rows, tail])
 

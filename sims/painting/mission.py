@@ -19,7 +19,7 @@ from sims.painting.job import APPROACH, PAINT, SCAN, Job
 from sims.painting.lay import Laid, Truth, completed_and_fault, lay, true_brush
 from sims.painting.path import Painting, plan_painting
 from sims.painting.scan import ScanPlan, scan_motion, see, start_worlds
-from sims.painting.tools import colour_count, in_hand
+from sims.painting.tools import in_hand
 from sims.rollout import Record
 from sims.scoring import Chamfer, judge
 from sims.scoring.true_surface import chamfer_to_chart
@@ -80,7 +80,7 @@ def run_mission(
     begin = time.perf_counter() - Batched.spent_s
     driven, colour = _paint(job, painting, arrived.state.world, index, paint_mode, advance)
     truth = true_brush(job, driven)
-    laid = jax.block_until_ready(lay(job, grid, driven, truth, colour=colour, colours=colour_count(job)))
+    laid = jax.block_until_ready(lay(job, grid, driven, truth, colour=colour, colours=job.colours))
     executed = time.perf_counter() - Batched.spent_s - begin
     reachable = (
         np.asarray(scan.reachable & path_there.reachable)

@@ -43,17 +43,6 @@ class Painting(NamedTuple):
     obstacles: Float[Array, "m 3"]
     plan: BrushPlan
 
-    def colour(self, clock: Float[np.ndarray, "worlds t"]) -> Int[np.ndarray, "worlds t"]:
-        """The tool in hand at times of the whole-body controller's plan [s], as records have them."""
-        rows = zip(*(np.asarray(x) for x in (self.path.begins, self.path.runs.colour, clock)), strict=True)
-        live = np.asarray(self.path.runs.live).sum(-1)
-        return np.stack(
-            [
-                tool[np.clip(np.searchsorted(begin[:-1], t, "right") - 1, 0, max(n - 1, 0))]
-                for (begin, tool, t), n in zip(rows, live, strict=True)
-            ]
-        )
-
 
 def map_picture(job: Job, cloud: Float[Array, "n 3"], valid: Bool[Array, " n"]):
     """The picture's strokes on one world's cloud, as a timed path."""

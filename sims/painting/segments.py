@@ -14,6 +14,7 @@ from jaxtyping import Array, Float
 
 from jaxpaint.compiling import Batched, batched, one_by_one
 from jaxpaint.mapping.canvas import Canvas
+from jaxpaint.planning.surroundings import CLUTTER, is_clutter
 from jaxpaint.trajectories import (
     Limits,
     Obstacles,
@@ -32,8 +33,8 @@ from sims.robots import Robot
 _PACE = 0.97
 # Moments of a segment at which its gap is looked at.
 _MOMENTS = 64
-# What the lidar sees before the wall may be this much higher than its beams [m].
-_CLUTTER = 0.25
+# Top of a wall's echo: above all that a robot reaches [m].
+_AT_ALL_HEIGHTS = 1e3
 BLOCK = 32
 """Rows of a block: one compilation for all counts."""
 
@@ -92,12 +93,12 @@ def ways_around(
 
 
 def surroundings(around: Around, points: Float[Array, "m 3"]) -> Obstacles:
-    """Scanned points, and what the lidar saw: walls are upright, so an echo behind the canvas stands for all
-    heights, clutter before it for its own and below.
+    """Scanned points, and what the lidar saw: walls are upright, so their echoes stand for all heights,
+    clutter for its own and below. Which is which is the planner of views' rule too.
     """
-    flat = jnp.concatenate([around.echoes, jnp.zeros_like(around.echoes[:, :1])], axis=1)
-    depth = around.canvas.to_canvas(flat)[1]
-    high = jnp.where(depth > 0, 1e3, around.robot.T_base_lidar.p[2] + _CLUTTER)
+    canvas = around.canvas
+    low = is_clutter(around.echoes, canvas.center[:2], canvas.ray[:2], canvas.size[0])
+    high = jnp.where(low, around.robot.T_base_lidar.p[2] + CLUTTER, _AT_ALL_HEIGHTS)
     return Obstacles.points(points) + Obstacles.sticks(around.echoes, high)
 
 

@@ -7,6 +7,7 @@ from jaxtyping import Array, Bool, Float
 
 from jaxpaint.kinematics.pose import Pose
 from jaxpaint.mapping.canvas import Canvas
+from jaxpaint.planning import Viewpoints
 from sims.scenes.scene import Scene
 from sims.sensors import Camera, render
 
@@ -26,6 +27,17 @@ def seen_points(
     points = surface_behind(scene, canvas)
     seen = _SEEN(scene, camera, views, jnp.asarray(points))
     return points, np.asarray(seen)
+
+
+def share_seen(scene: Scene, canvas: Canvas, camera: Camera, views: Viewpoints) -> float:
+    """Share of the true surface behind a canvas that planned views see by ray casts, from where the plan has
+    the camera; 0 where it cannot be brought there.
+    """
+    if not views.reachable:
+        return 0.0
+    poses = Pose(jnp.asarray(views.camera, float), jnp.asarray(views.rotation, float))
+    _, seen = seen_points(scene, canvas, camera, poses)
+    return float(seen.mean()) if len(seen) else 0.0
 
 
 def surface_behind(scene: Scene, canvas: Canvas) -> Float[np.ndarray, "n 3"]:

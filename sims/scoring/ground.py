@@ -79,12 +79,24 @@ class Ground:
         """Cells so far from every rim and fold that paint can end there wherever the picture asks.
 
         A brush of this radius [m] paints to a rim only with its middle beside it, and leaves out the strip of
-        its radius and 10 mm along a fold; 5 mm are added to both. cut: cells that the rays do not reach.
+        its radius and 10 mm along a fold; 5 mm are added to both. cut: cells that the rays do not reach. The
+        grid's border is a rim where the wall itself ends there.
         """
-        gone = ~self.on_surface | cut
-        rim = np.pad(gone, 1, constant_values=True)[1:-1, 1:-1] if gone.any() else gone
-        near = _within(rim, radius + MARGIN)
+        beyond = self._with_ends(~self.on_surface | cut, chart)
+        near = _within(beyond, radius + MARGIN)[1:-1, 1:-1]
         return ~near & ~_within(self._folds(chart), radius + _STRIP + MARGIN)
+
+    def _with_ends(self, gone: np.ndarray, chart: AbstractChart) -> Bool[np.ndarray, "rows+2 columns+2"]:
+        """Cells without wall, with one more on each side: without, where the chart ends before it."""
+        size = CELL * np.asarray(self.shape[::-1])
+        left, below = self.origin - CELL < np.asarray(chart.lower)
+        right, above = self.origin + size > np.asarray(chart.upper)
+        padded = np.pad(gone, 1)
+        padded[0] |= below
+        padded[-1] |= above
+        padded[:, 0] |= left
+        padded[:, -1] |= right
+        return padded
 
     def _folds(self, chart: AbstractChart) -> Bool[np.ndarray, "rows columns"]:
         """Cells about which the true normal turns sharply."""

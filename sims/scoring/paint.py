@@ -29,6 +29,12 @@ class PaintScore:
     left out and all of the areas are a matter of coverage: 0 in a picture without lines. stroke_error:
     symmetric distance [m], for lines between the true pen-down brush centre and the centre-lines on the
     surface, for areas between the paint's boundary and theirs; pooled by the length of what is wanted.
+
+    A brush cannot end its paint exactly at a rim of the wall, at the shadow of something before it, or in a
+    fold: boundaries within its radius and 5 mm of a rim or a shadow, or its radius and 15 mm of a fold, are
+    not compared, neither the wanted nor the painted. stroke_error_judged: share of the wanted boundaries on
+    the surface that are, by length; 1 in a picture without areas [1]. What is left out counts in coverage
+    and excess all the same.
     """
 
     coverage: float
@@ -37,6 +43,7 @@ class PaintScore:
     gap_length: float
     stroke_error_mean: float
     stroke_error_p95: float
+    stroke_error_judged: float
 
 
 def score_paint(
@@ -81,6 +88,7 @@ def score_paint(
         gap_length=gap,
         stroke_error_mean=mean,
         stroke_error_p95=p95,
+        stroke_error_judged=wanted.judged,
     )
 
 
@@ -98,7 +106,7 @@ def score_paint_worlds(
     """`score_paint` for many worlds, on as many threads as there are cores."""
     lost: Sequence[float] = np.zeros(len(thickness)).tolist() if stray is None else np.asarray(stray).tolist()
     # Made once, before threads would make them several times over.
-    _ = wanted.area, [(layer.cells, layer.line_length) for layer in wanted.layers]
+    _ = wanted.area, wanted.judged, [(layer.cells, layer.line_length) for layer in wanted.layers]
 
     def one(world: int) -> PaintScore:
         swept = uv_brush[world], down[world]

@@ -33,6 +33,7 @@ class WorldScore:
     gap_length: float
     stroke_error_mean: float
     stroke_error_p95: float
+    stroke_error_judged: float
     chamfer_l1_raw: float
     chamfer_l2_raw: float
     chamfer_l1_refined: float
@@ -82,6 +83,7 @@ def _row(world: int, status, tracking, paint: PaintScore, raw, refined, step: fl
         gap_length=paint.gap_length,
         stroke_error_mean=paint.stroke_error_mean,
         stroke_error_p95=paint.stroke_error_p95,
+        stroke_error_judged=paint.stroke_error_judged,
         chamfer_l1_raw=surface(raw, "l1"),
         chamfer_l2_raw=surface(raw, "l2"),
         chamfer_l1_refined=surface(refined, "l1"),
@@ -116,7 +118,10 @@ def summarise(scores: Sequence[WorldScore]) -> dict[str, Any]:
         "paint": {
             "coverage": _reader(scores, _coverage)("coverage"),
             **{name: reached(name) for name in ("excess", "thickness_cv", "gap_length")},
-            "stroke_error": {kind: errors(f"stroke_error_{kind}") for kind in ("mean", "p95")},
+            "stroke_error": {
+                **{kind: errors(f"stroke_error_{kind}") for kind in ("mean", "p95")},
+                "judged": reached("stroke_error_judged"),
+            },
         },
         "surface": {
             name: reached(name)

@@ -31,7 +31,8 @@ class Layer:
     where the surface itself ends, nor where ink of the same colour goes on. mask: cells that should get
     paint: filled, or within a brush radius of a centre-line, and on the surface. outside: cells of the
     surface where paint of this colour is in excess, be it that another is wanted there. paintable: cells
-    where paint can end exactly, see `Ground.paintable`.
+    where paint can end exactly, see `Ground.paintable`. edge_wanted: length of the areas' boundary on the
+    surface, also where paint cannot end exactly [m].
     """
 
     centre_distance: Float[np.ndarray, "rows columns"]
@@ -42,6 +43,7 @@ class Layer:
     mask: Bool[np.ndarray, "rows columns"]
     outside: Bool[np.ndarray, "rows columns"]
     paintable: Bool[np.ndarray, "rows columns"]
+    edge_wanted: float
 
     @cached_property
     def cells(self) -> np.ndarray:
@@ -55,7 +57,7 @@ class Layer:
 
     @cached_property
     def edge_length(self) -> float:
-        """Of the areas' boundary, as on the canvas [m]."""
+        """Of the areas' boundary where paint can end exactly, as on the canvas [m]: that is judged."""
         return 0.0 if self.edge_tree is None else STEP * self.edge_tree.n
 
 
@@ -98,6 +100,12 @@ class Wanted:
         """Wanted area of all colours together [m^2]."""
         return sum(len(layer.cells) for layer in self.layers) * CELL**2
 
+    @cached_property
+    def judged(self) -> float:
+        """Share of the areas' boundary on the surface where paint can end exactly; 1 without areas [1]."""
+        whole = sum(layer.edge_wanted for layer in self.layers)
+        return sum(layer.edge_length for layer in self.layers) / whole if whole else 1.0
+
     @property
     def lines(self) -> tuple[Float[np.ndarray, "points 2"], ...]:
         """Centre-lines of all colours on the surface [m]."""
@@ -134,7 +142,7 @@ def wanted_area(
         posed = tuple(pose_lines([densify(line, STEP) for line in lines], scene, canvas))
         tree = KDTree(np.concatenate(posed)) if posed else None
         away = _line_distance(posed, tree, ground, radius)
-        edge = _edge(fill, scene, canvas, ground, away > radius, paintable)
+        edge = _edge(fill, scene, canvas, ground, away > radius)
         layers.append(_layer(ground, posed, tree, away, ink, edge, radius, paintable))
     wanted = Wanted(ground, tuple(layers), float(radius))
     if not wanted.area and not wanted.lines:
@@ -158,7 +166,9 @@ def _by_colour(picture: Drawing | Sequence[np.ndarray], outlines: bool) -> list[
 
 
 def _layer(ground: Ground, lines, tree, away, ink, edge, radius: float, paintable) -> Layer:
-    edge_tree = KDTree(edge) if len(edge) else None
+    paintable = ground.on_surface if paintable is None else paintable
+    judged = edge[paintable.ravel()[ground.index(edge)]]
+    edge_tree = KDTree(judged) if len(judged) else None
     depth = _ink_distance(ink, edge_tree, ground)
     return Layer(
         centre_distance=away,
@@ -168,7 +178,8 @@ def _layer(ground: Ground, lines, tree, away, ink, edge, radius: float, paintabl
         edge_tree=edge_tree,
         mask=((away <= radius) | ink) & ground.on_surface,
         outside=(away > radius + MARGIN) & (depth > MARGIN) & ground.on_surface,
-        paintable=ground.on_surface if paintable is None else paintable,
+        paintable=paintable,
+        edge_wanted=STEP * len(edge),
     )
 
 
@@ -191,16 +202,14 @@ def _posed_areas(
     return [ink & ~hidden for ink in inks], hidden
 
 
-def _edge(
-    fill: FilledAreas, scene: Scene, canvas: Canvas, ground: Ground, beyond_lines, paintable
-) -> np.ndarray:
-    """Points of the boundary of the areas on the surface, where paint can and should end."""
+def _edge(fill: FilledAreas, scene: Scene, canvas: Canvas, ground: Ground, beyond_lines) -> np.ndarray:
+    """Points of the boundary of the areas on the surface, where paint should end."""
     rings = list(fill.edges(STEP))
     pieces = list(pose_lines([ring for ring, _ in rings], scene, canvas, [ends for _, ends in rings]))
     if not pieces:
         return np.zeros((0, 2))
     points = np.concatenate(pieces)
-    return points[(beyond_lines & paintable).ravel()[ground.index(points)]]
+    return points[beyond_lines.ravel()[ground.index(points)]]
 
 
 def _line_distance(

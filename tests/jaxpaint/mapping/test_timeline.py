@@ -216,6 +216,9 @@ def test_another_colour_is_fetched_far_from_the_wall():
     np.testing.assert_array_equal(path.runs.colour[:3], [0, 1, 1])
     assert [set(walk.colour[(walk.run == k) & (walk.pen == 1)]) for k in range(3)] == [{0}, {1}, {1}]
     np.testing.assert_array_equal(colour_at(path, jnp.arange(STEPS) * DT)[walk.live], walk.colour[walk.live])
+    change = np.flatnonzero(np.diff(walk.colour[walk.live]))
+    assert len(change) == 1
+    assert (away[change[0] : change[0] + 2] > 0.19).all(), "the old tool is in hand until the brush is up"
     # what the pen does does not jump
     jerk = np.linalg.norm(np.diff(walk.velocity, 2, axis=0), axis=1) / DT**2
     assert jerk[walk.pen[1:-1] == 0].max() < 1.15 * float(settings.move.acceleration) / 0.1

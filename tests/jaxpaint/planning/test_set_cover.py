@@ -60,7 +60,7 @@ def test_greed_is_not_enough():
     has[2, [0, 1, 2, 3, 7, 8, 9, 10]] = has[3, [4, 5, 11, 12]] = has[4, [6, 13]] = True
     found = set_cover(has)
     assert sorted(found.chosen) == [0, 1]
-    assert found.proven
+    assert found.bound == 2
 
 
 def test_the_bound_counts_elements_that_no_set_shares():

@@ -1,12 +1,14 @@
 """How many views there are at least, and the outline and the area that they are planned on."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
 from jaxpaint.planning import ViewSettings, camera_rotation, operating_area, surroundings, wall_profile
 from jaxpaint.planning.cameras import Cameras, camera_candidates
 from jaxpaint.planning.footprints import footprints
-from jaxpaint.planning.viewpoints import lower_bound
+from jaxpaint.planning.viewpoints import candidate_bound, lower_bound
 
 FIELD = (1.898, 1.109)
 CENTER = np.array([-0.05, 0.0, 1.1])
@@ -76,21 +78,55 @@ def test_clutter_hides_what_is_behind_it_up_to_its_height():
     assert kept[np.abs(area.points - [0, 0, 0.9]).max(1) < 0.07].all()
 
 
-def test_the_bound_is_at_least_what_the_area_asks_for():
+def test_fewer_candidates_than_their_bound_never_do():
+    """Every choice of one fewer is tried, up to pairs."""
     s = ViewSettings()
-    for width, height, least in ((0.5, 0.5, 1), (2.4, 0.6, 2), (2.4, 1.0, 3)):
+    for width, height, least in ((0.5, 0.5, 1), (2.4, 0.6, 2), (1.6, 1.2, 3), (2.4, 1.0, 3)):
         area = flat_area(width, height)
         sees = footprints(camera_candidates(area, FIELD, s), area, FIELD, FREE, s)
         assert sees.any(0).all()
-        largest = sees.sum(1).max() / len(area.points)
-        assert lower_bound(sees) >= max(least, np.ceil(1 / largest - 1e-9))
+        bound = candidate_bound(sees)
+        assert bound >= least
+        missed = np.unique(~sees, axis=0).astype(np.float32)
+        assert all_miss(missed, min(bound - 1, 2))
+
+
+def all_miss(missed, number):
+    """Whether every choice of so many rows, up to two, misses a point that none of them has."""
+    if number < 2:
+        return missed.any(1).all() if number else missed.shape[1] > 0
+    return (missed @ missed.T > 0).all()
 
 
 def test_no_more_than_the_bound_where_columns_fill_the_width_exactly():
     """Two columns of the narrowest pictures, side by side, need no third: the bound sees that."""
     area, s = flat_area(2.3, 0.5), ViewSettings()
     sees = footprints(camera_candidates(area, FIELD, s), area, FIELD, FREE, s)
-    assert lower_bound(sees) == 2
+    assert candidate_bound(sees) == 2
+
+
+def test_the_bound_over_all_views_is_the_area_over_the_largest_picture():
+    """A picture from 1 m is 1.898 m x 1.109 m; pictures overlap by 60 mm and the samples' spacing."""
+    for width, height, bound in ((0.5, 0.5, 1), (1.7, 0.9, 1), (2.0, 1.1, 2), (2.4, 1.0, 2), (4.0, 1.2, 3)):
+        assert lower_bound(flat_area(width, height), FIELD, ViewSettings()) == bound
+
+
+def test_no_view_from_anywhere_sees_more_than_the_bound_has_it():
+    rng, count, cell = np.random.default_rng(1), 400, 0.03
+    y, z = np.meshgrid(np.arange(-1.8, 1.8, cell), np.arange(-0.7, 2.9, cell))
+    points = np.stack([0 * y.ravel(), y.ravel(), z.ravel()], axis=1)
+    wall = dataclasses.replace(
+        flat_area(), points=points, normals=np.tile([-1.0, 0, 0], (len(points), 1)), spacing=cell
+    )
+    whole = dataclasses.replace(ViewSettings(), overlap=-cell)  # all of the picture, no rim
+    turn, pitch, roll = (rng.uniform(-limit, limit, count) for limit in (1.0, 1.0, np.pi))
+    rotation = np.stack([camera_rotation(*angles) for angles in zip(turn, pitch, roll, strict=True)])
+    place = np.array([0.0, 0.0, 1.1]) - rng.uniform(0.4, 1.1, (count, 1)) * rotation[:, :, 2]
+    anywhere = Cameras(place, rotation, np.zeros(count, bool), np.zeros(count))
+    seen = footprints(anywhere, wall, FIELD, FREE, whole).sum(1) * cell**2
+    square = footprints(camera_at(-0.9999, 0.0, 1.1), wall, FIELD, FREE, whole).sum() * cell**2
+    assert square == pytest.approx(FIELD[0] * FIELD[1], rel=0.03)
+    assert 0.6 < seen.max() / (FIELD[0] * FIELD[1]) < 1
 
 
 def test_cameras_look_where_they_are_told():

@@ -115,3 +115,7 @@ def test_films_are_laid_only_when_asked_for():
     assert held[2].max() == 2
     assert asked == [[2, 3]]
     np.testing.assert_array_equal(np.asarray(held)[:, 0, 0, 0], np.arange(5))
+    assert [film.max() for film in held] == list(range(5))
+    for world in (-1, 5, -6):
+        with pytest.raises(IndexError, match=f"found {world}, allowed: 0 to 4"):
+            held[world]

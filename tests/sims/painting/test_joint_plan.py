@@ -3,12 +3,14 @@
 import jax
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 from scipy.spatial import cKDTree
 
 from experiments.exports import read_table, write_table
 from experiments.exports.planned import planned
 from experiments.exports.replay import replay
-from sims.painting.joint_plan import planned_joint_trajectory, smooth_trajectory
+from experiments.motion.truth import Truth
+from sims.painting.joint_plan import eased, planned_joint_trajectory, smooth_trajectory
 from sims.status import Status
 
 
@@ -49,12 +51,35 @@ def test_the_trajectory_is_whole_and_smooth(task, plan):
     assert np.diff(plan.time).max() < 0.1
     assert not plan.pen[[0, -1]].any()
     np.testing.assert_allclose(plan.velocity[[0, -1]], 0, atol=1e-9)
-    limit = np.asarray(task.job.robot.speed_limit)
-    assert (np.abs(plan.velocity).max(axis=0) <= 1.001 * limit).all()
     # No step between the parts: what changes between samples is what the velocities say.
     change = np.diff(plan.position, axis=0)
     mean = (plan.velocity[1:] + plan.velocity[:-1]) / 2 * np.diff(plan.time)[:, None]
     assert np.abs(change - mean).max() < 5e-3
+
+
+def test_the_trajectory_is_within_what_the_robot_can_do_between_samples_too(task, plan):
+    """Speed, acceleration and, by MuJoCo's inverse dynamics, torque."""
+    spline = CubicSpline(plan.time, plan.position, bc_type="clamped")
+    share = np.linspace(0, 1, 4, endpoint=False)
+    fine = np.append((plan.time[:-1, None] + share * np.diff(plan.time)[:, None]).ravel(), plan.time[-1])
+    p, v, a = (spline(fine, order) for order in range(3))
+    np.testing.assert_allclose(a[::4], plan.acceleration, atol=1e-9)
+    robot = task.job.robot
+    torque = Truth(task.job.scene, robot).torques(p, v, a)
+    for found, limit in ((v, robot.speed_limit), (a, robot.acceleration_limit), (torque, robot.torque_limit)):
+        assert (np.abs(found).max(axis=0) <= 1.001 * np.asarray(limit)).all()
+    assert (np.abs(torque[:, 3:6]).max(axis=0) > 1).all(), "it carries its own weight"
+
+
+def test_what_starts_at_once_is_eased_into():
+    """From rest to 0.5 m/s^2 from one sample to the next, and back."""
+    h, pushes = 0.08, np.repeat([0.0, 0.5, 0.0, -0.5, 0.0], 13)
+    time = h * np.arange(len(pushes) + 2)
+    way = h**2 * np.concatenate([[0, 0], np.cumsum(np.cumsum(pushes))])[:, None]
+    free, soft = (smooth_trajectory(("x",), ("m",), time, p, time > 1) for p in (way, eased(time, way)))
+    assert np.abs(free.acceleration).max() > 0.6
+    np.testing.assert_allclose(soft.acceleration[1:-1, 0], pushes, atol=1e-9)
+    assert np.abs(soft.position - way).max() <= h**2 / 6 * 0.5 + 1e-12
 
 
 def test_replayed_by_servos_from_the_table_the_brush_stays_on_the_plan(mission, plan, tmp_path):

@@ -8,12 +8,16 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from jaxpaint import planning
 from jaxpaint.mapping import Canvas
 from jaxpaint.trajectories import sample
 from sims.painting.job import Job
 from sims.painting.motion import SETTLE, clear_motion, find_ways, motion_duration, motion_rows
-from sims.painting.segments import Around, filled, in_blocks
+from sims.painting.segments import Around, filled, in_blocks, surroundings
+from sims.painting.survey import camera_arm, echoes_before
 from sims.robots import load_robot
+from sims.scenes.canvases import canvas_for
+from sims.scenes.walls import make_wall
 
 
 @pytest.fixture(scope="module")
@@ -95,6 +99,25 @@ def test_the_chassis_is_seen_between_the_points_that_stand_for_it(job):
     post = np.stack([0 * heights - 2.0 + front - 0.05, 0 * heights + 0.1, heights], -1)
     found = find_ways(Around.of(job), np.stack([q, q])[None], post[None].astype(np.float32))
     assert found.at_ends[0, -1].min() == pytest.approx(-0.05, abs=1e-3)
+
+
+@pytest.mark.parametrize(("kind", "enclosed"), [("corner", True), ("objects", False), ("room", True)])
+def test_what_is_low_for_the_view_planner_is_low_for_the_arm(job, kind, enclosed):
+    """And nothing else: a room's side walls and column stand at all heights."""
+    scene = make_wall(kind)
+    canvas, robot = canvas_for(scene), job.robot
+    echoes = echoes_before(scene, canvas, camera_arm(robot), robot, key=jax.random.key(3))
+    lidar = float(robot.T_base_lidar.p[2])
+    told = planning.surroundings(
+        echoes, np.asarray(canvas.center, float), float(canvas.yaw), float(canvas.size[0]), lidar
+    )
+    there = surroundings(Around(robot, canvas, jnp.asarray(echoes, jnp.float32)), jnp.full((1, 3), jnp.nan))
+    real, low = np.asarray(there.real), np.asarray(there.high) < 2
+    np.testing.assert_allclose(there.place[real & low], told.clutter, atol=1e-5)
+    np.testing.assert_allclose(there.place[real & ~low], told.walls, atol=1e-5)
+    np.testing.assert_allclose(there.high[real & low], told.top, atol=1e-5)
+    beside = np.abs(told.walls[:, 1] - float(canvas.center[1])) > float(canvas.size[0]) / 2 + 0.5
+    assert (beside & (told.walls[:, 0] < float(canvas.center[0]) - 0.5)).any() == enclosed
 
 
 def test_blocks_give_back_as_many_rows_as_came():

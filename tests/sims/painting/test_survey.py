@@ -8,12 +8,12 @@ import pytest
 from jaxpaint.kinematics import Pose, forward
 from jaxpaint.planning.surroundings import stands_clear
 from sims.painting.survey import survey
-from sims.painting.views_seen import seen_points
+from sims.painting.views_seen import seen_points, share_seen
 from sims.robots import load_robot
 from sims.scenes.canvases import canvas_for, make_canvas
 from sims.scenes.primitives import Box
 from sims.scenes.scene import Scene
-from sims.scenes.walls import WALLS, make_wall, plaster
+from sims.scenes.walls import make_wall, plaster
 from sims.sensors import Camera
 
 KEY = jax.random.key(3)
@@ -39,7 +39,7 @@ def poses(robot, views):
     return Pose(jnp.stack([f.p for f in found]), jnp.stack([f.R for f in found]))
 
 
-@pytest.mark.parametrize("kind", sorted({"flat", "corner", "cylinder", "room"} & set(WALLS)))
+@pytest.mark.parametrize("kind", ["flat", "corner", "cylinder", "room"])
 @pytest.mark.parametrize("size", [None, (1.2, 1.2)])
 def test_few_views_see_the_whole_area(robot, camera, kind, size):
     scene = make_wall(kind)
@@ -47,6 +47,7 @@ def test_few_views_see_the_whole_area(robot, camera, kind, size):
     views, _ = survey(scene, canvas, robot, camera, key=KEY)
     assert views.reachable
     assert views.clear
+    assert views.lower_bound <= views.candidate_bound <= len(views)
     assert len(views) <= views.lower_bound + 1
     reached = poses(robot, views)
     np.testing.assert_allclose(reached.p, views.camera, atol=1e-3)
@@ -54,8 +55,24 @@ def test_few_views_see_the_whole_area(robot, camera, kind, size):
     points, seen = seen_points(scene, canvas, camera, reached)
     assert len(points) > 500
     assert seen.mean() >= 0.99
-    _, without = seen_points(scene, canvas, camera, jax.tree.map(lambda x: x[1:], reached))
-    assert without.mean() < 0.9  # none is there for nothing
+    assert share_seen(scene, canvas, camera, views) == pytest.approx(seen.mean(), abs=0.005)
+    # None is there for nothing.
+    without = [seen_by_others(scene, canvas, camera, reached, k) for k in range(len(views))]
+    assert without[0] < 0.9
+    assert max(without) < 0.95
+
+
+def seen_by_others(scene, canvas, camera, poses, left_out):
+    """The share that is seen without one of the views."""
+    others = jax.tree.map(lambda x: np.delete(np.asarray(x), left_out, axis=0), poses)
+    return seen_points(scene, canvas, camera, others)[1].mean()
+
+
+def test_views_out_of_reach_see_nothing(robot, camera):
+    scene = make_wall("flat")
+    canvas = make_canvas((0.5, 0.3), (-0.05, 0.0, 2.8, 0.0))
+    views, _ = survey(scene, canvas, robot, camera, key=KEY)
+    assert share_seen(scene, canvas, camera, views) == 0
 
 
 def test_a_wide_canvas_is_left_at_its_left(robot, camera):

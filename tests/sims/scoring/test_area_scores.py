@@ -9,6 +9,7 @@ from jaxpaint.pictures.drawing import Area, Drawing
 from sims.paint import PaintGrid, canvas_extent
 from sims.scenes.walls import corner, cylinder
 from sims.scoring import score_paint, wanted_area
+from sims.scoring.ground import CELL
 
 FILM = 60e-6
 RADIUS = 0.010
@@ -176,6 +177,39 @@ def test_a_hole_in_the_wall_cuts_area_and_boundary(plane):
     found = score(wanted, grid, short)
     assert 0.95 < found.coverage < 0.98
     assert found.stroke_error_mean < 6e-4, "paint that ends a little before the rim is no fault of its edge"
+
+
+def walled(plane, left, right):
+    """A wall from u = `left` to `right`."""
+    scene = plane()
+    chart = type(scene.chart)(jnp.asarray([left, -1.0]), jnp.asarray([right, 1.0]), 0.0)
+    return type(scene)(chart, 0.5)
+
+
+def test_the_end_of_the_wall_is_a_rim_and_the_end_of_the_cells_is_none(plane):
+    """The cells end at the wall's left end, in it; at their other sides the wall goes on."""
+    wanted, _ = posed(drawing(([box(-0.395, -0.1, 0.1, 0.1)], 0)), walled(plane, -0.4, 2.0))
+    assert wanted.ground.on_surface.all()
+    (column,) = np.flatnonzero(np.diff(wanted.layers[0].paintable.all(axis=0)))
+    assert wanted.layers[0].paintable[:, column + 1 :].all()
+    assert not wanted.layers[0].paintable[:, : column + 1].any()
+    ends = wanted.origin[0] + CELL * column
+    assert ends == pytest.approx(-0.4 + RADIUS + 0.005, abs=2e-3)  # to a cell or two
+
+
+def test_how_much_of_the_edge_is_judged_is_told(plane):
+    """10 mm of the upper and the lower side and the whole left side lie too near to the wall's end."""
+    picture = drawing(([box(-0.395, -0.1, 0.1, 0.1)], 0))
+    near, grid = posed(picture, walled(plane, -0.4, 2.0))
+    uv = np.asarray(grid.centres(), float)
+    apart = np.abs(uv - [-0.1475, 0.0]) - [0.2475, 0.1]
+    film = soft(np.maximum(apart[..., 0], apart[..., 1]))
+    found, away = score(near, grid, film), score(posed(picture, plane())[0], grid, film)
+    length = 2 * (0.495 + 0.2)
+    assert found.stroke_error_judged == pytest.approx(1 - (0.2 + 2 * 0.010) / length, abs=4e-3)
+    assert away.stroke_error_judged == 1
+    lines, _ = posed(drawing(lines=[[[-0.39, 0.0], [0.2, 0.0]]]), walled(plane, -0.4, 2.0))
+    assert lines.judged == 1
 
 
 def test_what_stands_before_the_wall_cuts_the_area(plane):

@@ -35,7 +35,7 @@ def test_keys_are_the_contracts():
         "duration": None,
         "control_steps": None,
     }
-    assert set(summarise([row()])["paint"]["stroke_error"]) == {"mean", "p95"}
+    assert set(summarise([row()])["paint"]["stroke_error"]) == {"mean", "p95", "judged"}
 
 
 def test_medians_over_worlds():
@@ -71,7 +71,7 @@ def test_rows_put_the_parts_together():
     names = [field.name for field in fields(TrackingScore)]
     tracking = TrackingScore(**{name: jnp.asarray([0.5, 0.25]) for name in names})
     tracking = replace(tracking, rmse=jnp.asarray([[1.0, 2, 3], [4, 5, 6]]), steps=jnp.asarray([10, 20]))
-    paint = [PaintScore(0.9, 0.1, 0.2, 0.3, 0.4, math.nan), PaintScore(*[0.5] * 6)]
+    paint = [PaintScore(0.9, 0.1, 0.2, 0.3, 0.4, math.nan, 0.8), PaintScore(*[0.5] * 7)]
     raw = Chamfer(l1=jnp.asarray([1.0, 2.0]), l2=jnp.asarray([3.0, 4.0]))
     rows = world_scores(np.asarray([0, 4]), tracking, paint, raw, None, step=0.02)
     assert [r.status for r in rows] == ["ok", "diverged"]
@@ -79,6 +79,7 @@ def test_rows_put_the_parts_together():
     assert rows[0].normal_error_mean_deg == pytest.approx(math.degrees(0.5))
     assert rows[1].duration == pytest.approx(0.4)
     assert (rows[0].chamfer_l1_raw, rows[1].chamfer_l2_raw) == (1, 4)
+    assert rows[0].stroke_error_judged == 0.8
     assert math.isnan(rows[0].chamfer_l1_refined)
 
 
