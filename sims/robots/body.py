@@ -14,19 +14,20 @@ _EDGE_SPACING = 0.2  # [m] at most, between two points of a box's edge
 _PICTURE_GROUP = 2  # geoms of this group are there to be looked at: MuJoCo Menagerie's convention
 
 
-def spheres_from_model(model: mujoco.MjModel, joints: Sequence[int]) -> Spheres:
-    """The body as spheres that ride on `joints`.
+def spheres_from_model(model: mujoco.MjModel, joints: Sequence[int], *, brush: bool = False) -> Spheres:
+    """The body, or the brush alone, as spheres that ride on `joints`.
 
     Capsules and cylinders become rows of spheres along their axis, a radius apart (a cylinder's flat ends
     gain a radius), boxes points along their edges, meshes rows along their longest side that hold all their
     vertices, everything else one sphere. Left out: geoms of group 2
-    (pictures), and those whose name or whose body's name begins with `brush`: it touches the wall on purpose.
+    (pictures). The brush is what has a name, or a body with a name, that begins with `brush`: it touches the
+    wall on purpose.
     """
     links, bodies = link_frames(model, joints), body_frames(model)
     frame, center, radius = [], [], []
     for geom in range(model.ngeom):
         link = carrier(model, int(model.geom_bodyid[geom]), joints)
-        if link is None or model.geom_group[geom] == _PICTURE_GROUP or _is_brush(model, geom):
+        if link is None or model.geom_group[geom] == _PICTURE_GROUP or _is_brush(model, geom) != brush:
             continue
         points, r = _cover(model, geom)
         T = np.linalg.inv(links[link]) @ bodies[model.geom_bodyid[geom]] @ _geom_frame(model, geom)
