@@ -24,16 +24,17 @@ _STILL = 1e-5  # a segment without more way than this has no bound [rad or m]
 @dataclasses.dataclass(frozen=True, eq=False)
 class Checked:
     """speed, acceleration, torque: largest share of a limit that was used. jump: largest change of
-    acceleration from one millisecond to the next [m/s^2 or rad/s^2] of base and arm. distance: least of body,
-    brush and parts among themselves [m], a lower bound, at most `NEAR`. moving: time between the rests that
-    the mission asks for, at its waypoints; `via_rest` of it at via points, where wheels turn. bound: least
-    time for the same ways; `turning` of it is what the wheels need at via points [s].
+    acceleration from one millisecond to the next of the base's place [m/s^2], its yaw and the arm's joints
+    [rad/s^2]. distance: least of body, brush and parts among themselves [m], a lower bound, at most `NEAR`.
+    moving: time between the rests that the mission asks for, at its waypoints; `via_rest` of it at via
+    points, where wheels turn. bound: least time for the same ways; `turning` of it is what the wheels need at
+    via points [s].
     """
 
     speed: float
     acceleration: float
     torque: float
-    jump: tuple[float, float]
+    jump: tuple[float, float, float]
     distance: tuple[float, float, float]
     moving: float
     via_rest: float
@@ -126,9 +127,9 @@ def _share(rows, limit) -> float:
     return float(max(use[:, 2:].max(), line.max()))
 
 
-def _jump(a, size: int) -> tuple[float, float]:
-    change = np.abs(np.diff(a, axis=0))
-    return float(change[:, :size].max()), float(change[:, size:].max())
+def _jump(a, size: int) -> tuple[float, float, float]:
+    change = np.abs(np.diff(a, axis=0)).max(0)
+    return float(change[:2].max()), float(change[2:size].max()), float(change[size:].max())
 
 
 def _bounds(robot, trajectory: Trajectory, truth: Truth) -> np.ndarray:

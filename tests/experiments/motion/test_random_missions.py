@@ -12,7 +12,7 @@ from jaxpaint.trajectories import slowed
 from sims.painting.motion import SETTLE
 
 # Acceleration builds up over a twenty-fifth of a second (0.04 s) at the quickest, from nothing to the limit.
-_BASE, _ARM = 0.5, 8.0
+_ACCELERATION = np.array([0.5, 1.0, 8.0])  # base's place, its yaw, the arm
 # So few missions at most may be refused for want of a way that the planner knows to be clear.
 _REFUSED = 0.15
 
@@ -23,7 +23,7 @@ def _hold(checked):
         assert not one.collides
         # from one millisecond to the next a fortieth of the limit; what jumped in position or speed, at a via
         # point, a waypoint or an end, would show as far more
-        assert one.jump[0] < _BASE / 40 * 1.1 + 6e-3 and one.jump[1] < _ARM / 40 * 1.1
+        assert (np.array(one.jump) < _ACCELERATION / 40 * 1.1).all()
         assert one.bound * 0.99 <= one.moving <= 1.15 * one.bound
 
 
