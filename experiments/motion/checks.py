@@ -5,16 +5,18 @@ import dataclasses
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
+from experiments.motion.clearance import distances
 from experiments.motion.missions import Missions
 from experiments.motion.topp import fastest_time
 from experiments.motion.truth import Truth
+from experiments.motion.wheel_turns import wheel_turns
 from jaxpaint.trajectories import Trajectory, on_segment, sample
 
 STEP = 0.001
-# Every so many steps torques and distances are asked for.
-_TORQUE_EVERY, _DISTANCE_EVERY = 4, 20
+# Every so many steps torques are asked for.
+_TORQUE_EVERY = 4
 _NODES, _MOMENTS = 101, 2001
 _STILL = 1e-5  # a segment without more way than this has no bound [rad or m]
 
@@ -22,47 +24,89 @@ _STILL = 1e-5  # a segment without more way than this has no bound [rad or m]
 @dataclasses.dataclass(frozen=True, eq=False)
 class Checked:
     """speed, acceleration, torque: largest share of a limit that was used. jump: largest change of
-    acceleration from one sample to the next [m/s^2 or rad/s^2] of base and arm, and over a control period.
-    distance: least of the robot to the wall [m], at most `NEAR`. moving: time in motion, bound: least
-    time for the same ways [s].
+    acceleration from one millisecond to the next of the base's place [m/s^2], its yaw and the arm's joints
+    [rad/s^2]. distance: least of body, brush and parts among themselves [m], a lower bound, at most `NEAR`.
+    moving: time between the rests that the mission asks for, at its waypoints; `via_rest` of it at via
+    points, where wheels turn. bound: least time for the same ways; `turning` of it is what the wheels need at
+    via points [s].
     """
 
     speed: float
     acceleration: float
     torque: float
-    jump: tuple[float, float]
-    jump_20ms: tuple[float, float]
-    distance: float
+    jump: tuple[float, float, float]
+    distance: tuple[float, float, float]
     moving: float
+    via_rest: float
     bound: float
+    turning: float
+
+    @property
+    def collides(self) -> bool:
+        """Whether anything touches, or may: the distances are lower bounds."""
+        return min(self.distance) <= 0
 
 
 def check(missions: Missions) -> list[Checked]:
-    """Every mission."""
+    """Every mission that is driven."""
     truth = Truth(missions.scene, missions.around.robot)
     return [
-        _check_one(missions, jax.tree.map(lambda x, k=k: np.asarray(x)[k], missions.trajectory), truth)
-        for k in range(len(missions.waypoints))
+        _check_one(
+            missions,
+            jax.tree.map(lambda x, k=k: np.asarray(x)[k], missions.motion.trajectory),
+            missions.touches[k],
+            truth,
+        )
+        for k in np.flatnonzero(~missions.refused)
     ]
 
 
-def _check_one(missions: Missions, trajectory: Trajectory, truth: Truth) -> Checked:
+def _check_one(missions: Missions, trajectory: Trajectory, touches: np.ndarray, truth: Truth) -> Checked:
     robot = missions.around.robot
     p = positions(trajectory)
     v, a = (p[2:] - p[:-2]) / (2 * STEP), (p[2:] - 2 * p[1:-1] + p[:-2]) / STEP**2
     limit_v, limit_a = np.asarray(robot.speed_limit, float), np.asarray(robot.acceleration_limit, float)
-    size = robot.base_size
     torque = truth.torques(p[1:-1:_TORQUE_EVERY], v[::_TORQUE_EVERY], a[::_TORQUE_EVERY])
+    body, brush, itself = distances(truth, p, _brush_counts(trajectory, touches, len(p)))
+    rest = np.asarray(trajectory.rest, float)
+    corner = np.arange(len(rest)) % _parts(trajectory, touches) > 0
+    rest = np.where(corner, rest, 0)
+    base = np.asarray(trajectory.points, float)[:, :3]
+    long = np.asarray(trajectory.segments, float)
+    turning = wheel_turns(truth.model, base, long, corner)
     return Checked(
         speed=_share(v, limit_v),
         acceleration=_share(a, limit_a),
         torque=float((np.abs(torque) / np.asarray(robot.torque_limit, float)).max()),
-        jump=_jump(a, size),
-        jump_20ms=_jump(a[::20], size),
-        distance=float(truth.distances(p[::_DISTANCE_EVERY]).min()),
-        moving=float(np.asarray(trajectory.segments, float).sum()),
-        bound=float(_bounds(robot, trajectory, truth).sum()),
+        jump=_jump(a, robot.base_size),
+        distance=(float(body), float(brush), float(itself)),
+        moving=float(long.sum() + rest.sum()),
+        via_rest=float(rest.sum()),
+        bound=float(_bounds(robot, trajectory, truth).sum()) + turning,
+        turning=turning,
     )
+
+
+def _parts(trajectory: Trajectory, touches: Bool[np.ndarray, " w"]) -> int:
+    """Segments to a waypoint."""
+    return len(trajectory.start) // (len(touches) - 1)
+
+
+def _brush_counts(
+    trajectory: Trajectory, touches: Bool[np.ndarray, " w"], count: int
+) -> Bool[np.ndarray, " t"]:
+    """Everywhere but on the last segment to a touch, at it, and on the first segment from it.
+
+    A chain's segments without way are not counted: a straight way to a touch is the touch's own.
+    """
+    parts, counts = _parts(trajectory, touches), np.ones(count, bool)
+    start, long = np.asarray(trajectory.start, float), np.asarray(trajectory.segments, float)
+    for waypoint in np.flatnonzero(touches):
+        before, after = waypoint * parts - 1, waypoint * parts
+        after += int(np.argmax(long[after : after + parts] > 0))
+        first, last = start[before], start[after] + long[after]
+        counts[int(np.floor(first / STEP)) + 1 : int(np.floor(last / STEP))] = False
+    return counts
 
 
 def positions(trajectory: Trajectory) -> Float[np.ndarray, "t joints"]:
@@ -83,13 +127,16 @@ def _share(rows, limit) -> float:
     return float(max(use[:, 2:].max(), line.max()))
 
 
-def _jump(a, size: int) -> tuple[float, float]:
-    change = np.abs(np.diff(a, axis=0))
-    return float(change[:, :size].max()), float(change[:, size:].max())
+def _jump(a, size: int) -> tuple[float, float, float]:
+    change = np.abs(np.diff(a, axis=0)).max(0)
+    return float(change[:2].max()), float(change[2:size].max()), float(change[size:].max())
 
 
 def _bounds(robot, trajectory: Trajectory, truth: Truth) -> np.ndarray:
-    """Least time of each segment's way under the robot's full limits, acceleration free to jump."""
+    """Least time of each segment's way under the robot's full limits, acceleration free to jump.
+
+    Where ways meet the path has a corner, at which every motion along it must stand still.
+    """
     rows = _along(trajectory)
     ways = [_way(q) for q in rows if np.abs(q[-1] - q[0]).max() > _STILL]
     limit_v, limit_a = np.asarray(robot.speed_limit, float), np.asarray(robot.acceleration_limit, float)
@@ -144,7 +191,7 @@ def _rows(truth: Truth, q, first, second, limit_v, limit_a, limit_t):
     damping = truth.damping * first
     coriolis = truth.torques(q, first, second) - weight - damping
     A, B = np.concatenate([lined(first), inertia], 1), np.concatenate([lined(second), coriolis], 1)
-    offset = np.concatenate([0 * lined(zero), weight], 1)
+    C, offset = (np.concatenate([0 * lined(zero), x], 1) for x in (damping, weight))
     limit = np.broadcast_to(np.concatenate([least(limit_a), limit_t]), A.shape)
     V = (least(limit_v) / np.maximum(np.abs(lined(first)), 1e-9)).min(1) ** 2
-    return A, B, offset, limit, V
+    return A, B, offset, limit, V, C

@@ -7,6 +7,7 @@ from experiments.reproduce.result import ReproduceResult, ReproduceSettings, Row
 
 REPRODUCTIONS = {
     "mode-detection": "experiments.reproduce.mode_detection",
+    "motion": "experiments.reproduce.motion",
     "s1-figure-11": "experiments.reproduce.s1_figure_11",
 }
 """Module of each table or figure; it has NAME and `run(settings) -> ReproduceResult`."""

@@ -6,6 +6,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from jaxpaint.planning.stretches import ReachWindow, serving_places
+from jaxpaint.trajectories.footprint import signed_distance
 
 
 class StationSettings(eqx.Module):
@@ -46,28 +47,9 @@ def plan_stations(
 
 def _pushed(base: Float[Array, "3"], surface: Float[Array, "s 2"], weight, settings: StationSettings):
     """The base pose, moved straight away from the nearest surface point to at least the clearance."""
-    gap, towards = _gaps(base, surface, settings.footprint)
+    body = jnp.zeros((1, 2), base.dtype) if settings.footprint is None else settings.footprint
+    gap, towards = signed_distance(body, base, surface)
     gap = jnp.where(weight > 0, gap, jnp.inf)
     nearest = jnp.argmin(gap)
     missing = jnp.maximum(settings.clearance - gap[nearest], 0.0)  # 0 where there is no point at all
     return base.at[:2].add(-missing * towards[nearest])
-
-
-def _gaps(base: Float[Array, "3"], points: Float[Array, "s 2"], footprint):
-    """Distances of points from the body [m], below zero inside, and unit directions to them, in the map.
-
-    The body is the footprint, or the base's middle. From inside the direction is that to the nearest side.
-    """
-    offset = points - base[:2]
-    c, s = jnp.cos(base[2]), jnp.sin(base[2])
-    local = jnp.stack([c * offset[:, 0] + s * offset[:, 1], c * offset[:, 1] - s * offset[:, 0]], axis=1)
-    corners = jnp.zeros((1, 2), base.dtype) if footprint is None else footprint
-    low, high = corners.min(0), corners.max(0)
-    local = local - 0.5 * (low + high)
-    over = jnp.abs(local) - 0.5 * (high - low)
-    outside = jnp.maximum(over, 0.0)
-    size = jnp.sqrt((outside**2).sum(1) + 1e-12)
-    gap = jnp.where((over > 0).any(1), size, over.max(1))
-    side = jnp.where(over >= over.max(1, keepdims=True), 1.0, 0.0)
-    way = jnp.sign(local) * jnp.where((over > 0).any(1)[:, None], outside / size[:, None], side)
-    return gap, jnp.stack([c * way[:, 0] - s * way[:, 1], s * way[:, 0] + c * way[:, 1]], axis=1)

@@ -62,17 +62,19 @@ def gap_on_the_way(
     distance: of a point in the map from what is around [m], positive on the robot's side.
     A sphere that moves by d between two moments comes no nearer than the mean of its two gaps less d / 2.
     """
-    centers = jax.vmap(lambda row: _centers(chain, spheres, row))(q)
+    centers = jax.vmap(lambda row: sphere_centers_looped(chain, spheres, row))(q)
     gap = jax.lax.map(jax.vmap(distance), centers) - spheres.radius
     step = centers[1:] - centers[:-1]
     moved = jnp.sqrt((step * step).sum(-1))
     return jnp.minimum(gap.min(), ((gap[1:] + gap[:-1] - moved) / 2).min(initial=jnp.inf))
 
 
-def _centers(
+def sphere_centers_looped(
     chain: KinematicChain, spheres: Spheres, q: Float[Array, " joints"]
 ) -> Float[Array, "spheres 3"]:
-    """By a loop along the chain: unrolled, a plain program evaluates each joint again for all after it."""
+    """Where the centers are in the map [m], by a loop along the chain: unrolled, a plain program evaluates
+    each joint again for all after it.
+    """
     links = looped_frames(chain, q)
     p, R = links.p[spheres.frame], links.R[spheres.frame]
     return p + (R * spheres.center[:, None, :]).sum(-1)

@@ -19,24 +19,38 @@ def footprint_gap(
     A rectangle whose corners move by d at most comes no nearer than the mean of its two gaps less d / 2.
     """
     counts = there.real & (there.low <= height)
-    gap = jax.lax.map(lambda pose: _signed(footprint, pose, there.place, counts), base)
+
+    def least(pose):
+        return jnp.where(counts, signed_distance(footprint, pose, there.place)[0], jnp.inf).min()
+
+    gap = jax.lax.map(least, base)
     x, y = _corners(footprint, base)
     dx, dy = x[1:] - x[:-1], y[1:] - y[:-1]
     moved = jnp.sqrt((dx * dx + dy * dy).max(-1))
     return jnp.minimum(gap.min(), ((gap[1:] + gap[:-1] - moved) / 2).min(initial=jnp.inf))
 
 
-def _signed(footprint, pose, place, counts):
-    """Distance of the nearest place from the rectangle, less than zero inside."""
+def signed_distance(
+    footprint: Float[Array, "corners 2"], pose: Float[Array, "3"], place: Float[Array, "m 2"]
+) -> tuple[Float[Array, " m"], Float[Array, "m 2"]]:
+    """Distances of places in the map from the rectangle at a pose (x, y, yaw) [m], below zero inside, and
+    unit directions to them in the map.
+
+    footprint: corners of the rectangle in its own frame [m]; one corner is a point. From inside the direction
+    is that to the nearest side.
+    """
+    offset = place - pose[:2]
     c, s = jnp.cos(pose[2]), jnp.sin(pose[2])
-    x, y = place[:, 0] - pose[0], place[:, 1] - pose[1]
+    local = jnp.stack([c * offset[:, 0] + s * offset[:, 1], c * offset[:, 1] - s * offset[:, 0]], axis=1)
     low, high = footprint.min(0), footprint.max(0)
-    ahead, left = c * x + s * y, c * y - s * x
-    dx = jnp.maximum(low[0] - ahead, ahead - high[0])
-    dy = jnp.maximum(low[1] - left, left - high[1])
-    out_x, out_y = jnp.maximum(dx, 0), jnp.maximum(dy, 0)
-    outside = jnp.sqrt(out_x * out_x + out_y * out_y)
-    return jnp.where(counts, outside + jnp.minimum(jnp.maximum(dx, dy), 0), jnp.inf).min()
+    local = local - 0.5 * (low + high)
+    over = jnp.abs(local) - 0.5 * (high - low)
+    outside = jnp.maximum(over, 0.0)
+    size = jnp.sqrt((outside**2).sum(1) + 1e-12)
+    gap = jnp.where((over > 0).any(1), size, over.max(1))
+    side = jnp.where(over >= over.max(1, keepdims=True), 1.0, 0.0)
+    way = jnp.sign(local) * jnp.where((over > 0).any(1)[:, None], outside / size[:, None], side)
+    return gap, jnp.stack([c * way[:, 0] - s * way[:, 1], s * way[:, 0] + c * way[:, 1]], axis=1)
 
 
 def _corners(footprint, base):

@@ -51,7 +51,7 @@ def s_curve(
 ) -> SCurve:
     """The curve for a way of this length, at most as fast and as steep as the limits.
 
-    Seven phases, of which some may be empty; at most 5 % slower (rounding 0.1) than if acceleration could
+    Seven phases, of which some may be empty; at most 5.2 % slower (rounding 0.1) than if acceleration could
     jump, but for ways so short that `least` rules.
     """
     some = length > 0

@@ -69,7 +69,7 @@ def approach(job: Job, worlds: World, painting: Painting) -> Approach:
     waypoints, reachable = _POSTURE(job, worlds, painting.plan.rows[:, 0], painting.plan.stations[:, 0])
     motion = clear_motion(job, waypoints, painting.obstacles)
     duration = jax.vmap(motion_duration)(motion.trajectory)
-    return Approach(joint_plan(job, motion.trajectory, duration), reachable, motion.gap)
+    return Approach(joint_plan(job, motion.trajectory, duration), reachable & motion.strong, motion.gap)
 
 
 def body_is_clear(gap: Float[Array, " worlds"]) -> np.ndarray:

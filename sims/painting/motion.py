@@ -5,13 +5,16 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Bool, Float
 
 from jaxpaint.trajectories import SCurve, Trajectory, on_one_clock, sample
 from sims.painting.job import Job
 from sims.painting.segments import BLOCK, Around, Segments, plan_segments, ways_around
+from sims.painting.via_rests import via_rests
+from sims.robots import Robot
 
-# Rest at each waypoint [s]: the camera looks, the base has stopped, its wheels turn to where it goes next.
+# Rest at each waypoint [s]: the camera looks, the base has stopped, its wheels turn to where it goes next. At
+# a via point there is only what its wheels need.
 SETTLE = 0.6
 # Wanted between the body and what is around it [m]: scanned points are centimetres apart, echoes are noisy.
 _MARGIN = 0.03
@@ -21,12 +24,19 @@ _SLACK = 0.005
 
 class Motion(NamedTuple):
     """trajectory: through all waypoints, with via points where the straight way touches. arrival: when the
-    robot has come to rest at each waypoint [s]. gap: least gap of the body on the way [m], a lower bound.
+    robot has come to rest at each waypoint [s]. gap: least gap of the robot on the way [m], a lower bound.
+    strong: whether every motor can hold its links all the way.
     """
 
     trajectory: Trajectory
     arrival: Float[Array, "worlds w"]
     gap: Float[Array, " worlds"]
+    strong: Bool[Array, " worlds"]
+
+    @property
+    def can_be_driven(self) -> Bool[np.ndarray, " worlds"]:
+        """Whether nothing touches on the way and the motors can hold the robot."""
+        return (np.asarray(self.gap) > 0) & np.asarray(self.strong)
 
 
 def clear_motion(
@@ -34,54 +44,65 @@ def clear_motion(
     waypoints: Float[Array | np.ndarray, "worlds w joints"],
     points: Float[Array | np.ndarray, "worlds m 3"],
 ) -> Motion:
-    """`motion_among` what a job's lidar saw."""
-    return motion_among(Around.of(job), waypoints, points)
+    """`motion_among` what a job's lidar saw, with one cloud for all legs; the brush touches nowhere."""
+    shape = np.shape(waypoints)[:2]
+    legs = np.broadcast_to(np.asarray(points)[:, None], (shape[0], shape[1] - 1, *np.shape(points)[1:]))
+    return motion_among(Around.of(job), waypoints, legs, np.zeros(shape, bool))
 
 
 def motion_among(
     around: Around,
     waypoints: Float[Array | np.ndarray, "worlds w joints"],
-    points: Float[Array | np.ndarray, "worlds m 3"],
+    points: Float[np.ndarray, "worlds legs m 3"],
+    touches: Bool[np.ndarray, "worlds w"],
 ) -> Motion:
-    """The motion through the waypoints of every world, clear of the points [m] (NaN is no point) and of the
-    lidar's echoes as far as there is a way.
+    """The motion through the waypoints of every world, clear of the lidar's echoes, of itself and of what was
+    scanned before each leg [m] (NaN is no point), as far as there is a way.
 
+    touches: where the brush is at the wall: it counts everywhere but on the straight way to and from there.
     Base and arm go apart, in straight lines, as fast as speed, acceleration and torque limits allow.
     """
     waypoints = np.asarray(waypoints)
-    worlds, count, joints = waypoints.shape
+    worlds, _, joints = waypoints.shape
     ends = np.stack([waypoints[:, :-1], waypoints[:, 1:]], axis=2).reshape(-1, 2, joints)
-    points = np.repeat(np.asarray(points), count - 1, axis=0)
-    chains = find_ways(around, ends, points)
+    at = np.stack([touches[:, :-1], touches[:, 1:]], axis=2).reshape(-1, 2)
+    chains = find_ways(around, ends, points.reshape(-1, *points.shape[2:]), at)
     by_world = jax.tree.map(lambda x: x.reshape(worlds, -1, *x.shape[2:]), chains)
     parts = chains.gap.shape[1]
-    trajectory = _assembled(by_world, around.robot.base_size, parts)
+    trajectory = _assembled(by_world, around.robot, parts)
     arrival = jax.vmap(lambda t: t.arrival)(trajectory)
-    return Motion(trajectory, arrival[:, ::parts], jnp.asarray(by_world.gap.min(axis=1)))
+    gap, strong = by_world.gap.min(axis=1), by_world.strong.all(axis=1)
+    return Motion(trajectory, arrival[:, ::parts], jnp.asarray(gap), jnp.asarray(strong))
 
 
 def find_ways(
-    around: Around, ends: Float[np.ndarray, "n 2 joints"], points: Float[np.ndarray, "n m 3"]
+    around: Around,
+    ends: Float[np.ndarray, "n 2 joints"],
+    points: Float[np.ndarray, "n m 3"],
+    touches: Bool[np.ndarray, "n 2"] | bool = False,
 ) -> Segments:
-    """A chain of segments between each pair of ends: [n, segments, ...].
+    """A chain of segments between each pair of ends: [n, segments, ...]; touches: see `motion_among`.
 
-    Straight, which is a chain whose first segments have no way, where that is clear by as much as is wanted;
-    else the first of the ways around that is, else the one with the largest gap. As many ways are looked at
-    at a time as fill a block, in their order, and none after one that will do.
+    Straight, which is a chain whose first segments have no way, where that is clear by as much as is wanted
+    and within the motors' strength; else the first of the ways around that is, else that with the largest
+    gap. As many ways at a time are looked at as fill a block, in their order, and none after one that will
+    do. From an end that touches, or to it, there is no clear way: none is looked for.
     """
-    straight = plan_segments(around, ends, points)
+    touches = np.broadcast_to(touches, (len(ends), 2))
+    straight = plan_segments(around, ends, points, touches)
     wanted = np.minimum(_MARGIN, straight.at_ends.min(axis=1) - _SLACK)
-    open_ = np.flatnonzero(~_clear(straight.gap[:, None], wanted))
+    open_ = np.flatnonzero(~(_room(straight) >= wanted) & (straight.at_ends.min(axis=1) > 0))
     ways = ways_around(around, ends[open_]) if open_.size else np.zeros((0, 0, 2, ends.shape[-1]))
     best, left = _as_chain(straight, ways.shape[2]), np.arange(open_.size)
     way = 0
     while left.size and way < ways.shape[1]:
         some = np.arange(way, min(way + max(1, BLOCK // (3 * left.size)), ways.shape[1]))
-        tried = _chains(around, ends[open_[left]], ways[left][:, some], points[open_[left]])
+        rows = open_[left]
+        tried = _chains(around, ends[rows], ways[left][:, some], points[rows], touches[rows])
         for k in range(some.size):
             one = jax.tree.map(lambda x, k=k: x[:, k], tried)
-            best = _improved(best, one, open_[left], wanted[open_[left]])
-        left = left[~_clear(best.gap[open_[left]], wanted[open_[left]])]
+            best = _improved(best, one, rows, wanted[rows])
+        left = left[~(_room(best, rows).min(axis=1) >= wanted[rows])]
         way += some.size
     return best
 
@@ -106,13 +127,18 @@ def _chains(
     ends: Float[np.ndarray, "n 2 joints"],
     vias: Float[np.ndarray, "n ways v joints"],
     points: Float[np.ndarray, "n m 3"],
+    touches: Bool[np.ndarray, "n 2"],
 ) -> Segments:
     """The segments from end over the vias to end, [n, ways, v + 1, ...]."""
     count, ways, v, joints = vias.shape
     first, last = (np.broadcast_to(ends[:, None, k, None], (count, ways, 1, joints)) for k in (0, 1))
     rows = np.concatenate([first, vias, last], axis=2)
     pairs = np.stack([rows[:, :, :-1], rows[:, :, 1:]], axis=3).reshape(-1, 2, joints)
-    found = plan_segments(around, pairs, np.repeat(points, ways * (v + 1), axis=0))
+    free = np.zeros((count, ways, v), bool)
+    first, last = (np.broadcast_to(touches[:, None, k, None], (count, ways, 1)) for k in (0, 1))
+    at = np.concatenate([first, free, last], axis=2)
+    at = np.stack([at[:, :, :-1], at[:, :, 1:]], axis=3).reshape(-1, 2)
+    found = plan_segments(around, pairs, np.repeat(points, ways * (v + 1), axis=0), at)
     return jax.tree.map(lambda x: x.reshape(count, ways, v + 1, *x.shape[1:]), found)
 
 
@@ -134,17 +160,19 @@ def _as_chain(straight: Segments, vias: int) -> Segments:
         arm,
         with_none(straight.gap, straight.at_ends[:, 0]),
         with_none(straight.at_ends, first),
+        with_none(straight.strong, np.ones_like(straight.strong)),
     )
 
 
-def _clear(gap: Float[np.ndarray, "n segments"], wanted: Float[np.ndarray, " n"]) -> np.ndarray:
-    return gap.min(axis=1) >= wanted
+def _room(segments: Segments, rows: np.ndarray | slice = slice(None)) -> np.ndarray:
+    """The gap, and no room at all where a motor is too weak."""
+    return np.where(segments.strong[rows], segments.gap[rows], -np.inf)
 
 
 def _improved(best: Segments, tried: Segments, index: np.ndarray, wanted: np.ndarray) -> Segments:
     """What was tried in place of the rows of that index, where those will not do and it is better."""
-    gap = best.gap[index]
-    better = ~_clear(gap, wanted) & (tried.gap.min(axis=1) > gap.min(axis=1))
+    room = _room(best, index).min(axis=1)
+    better = ~(room >= wanted) & (_room(tried).min(axis=1) > room)
 
     def put(old, new):
         out = old.copy()
@@ -154,11 +182,11 @@ def _improved(best: Segments, tried: Segments, index: np.ndarray, wanted: np.nda
     return jax.tree.map(put, best, tried)
 
 
-def _assembled(segments: Segments, base_size: int, parts: int) -> Trajectory:
-    """All segments of each world on one clock, `parts` to a waypoint, a rest after each that takes time."""
+def _assembled(segments: Segments, robot: Robot, parts: int) -> Trajectory:
+    """All segments of each world on one clock, `parts` to a waypoint, a rest at each."""
     points = np.concatenate([segments.ends[:, :, 0], segments.ends[:, -1:, 1]], axis=1)
-    moves = np.maximum(segments.base.duration, segments.arm.duration) > 0
-    moves[:, parts - 1 :: parts] = True  # there is a rest at each waypoint
-    rest = np.where(np.pad(moves, ((0, 0), (1, 0)), constant_values=True), SETTLE, 0).astype(points.dtype)
-    clock = jax.vmap(lambda points, base, arm, rest: on_one_clock(points, base, arm, rest, base_size))
+    duration = np.maximum(segments.base.duration, segments.arm.duration)
+    rest = via_rests(robot, points, duration, parts, SETTLE).astype(points.dtype)
+    size = robot.base_size
+    clock = jax.vmap(lambda points, base, arm, rest: on_one_clock(points, base, arm, rest, size))
     return jax.tree.map(np.asarray, clock(points, segments.base, segments.arm, rest))

@@ -94,6 +94,7 @@ def scan_motion(job: Job, worlds: World) -> ScanPlan:
     motion = clear_motion(job, waypoints, unknown)
     duration = jax.vmap(motion_duration)(motion.trajectory)
     looks = motion.arrival[:, 1:] + SETTLE / 2
+    reachable = reachable & motion.strong
     return ScanPlan(joint_plan(job, motion.trajectory, duration), looks, reachable, motion.gap)
 
 

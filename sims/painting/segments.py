@@ -10,9 +10,10 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Bool, Float
 
 from jaxpaint.compiling import Batched, batched, one_by_one
+from jaxpaint.kinematics import Spheres
 from jaxpaint.mapping.canvas import Canvas
 from jaxpaint.planning.surroundings import CLUTTER, is_clutter
 from jaxpaint.trajectories import (
@@ -24,6 +25,7 @@ from jaxpaint.trajectories import (
     gap_on_the_way,
     on_one_clock,
     on_segment,
+    own_gap,
     plan_within_torque,
 )
 from sims.painting.job import Job
@@ -31,10 +33,16 @@ from sims.robots import Robot
 
 # Share of the robot's limits that plans use: the rest is for the feedback.
 _PACE = 0.97
-# Moments of a segment at which its gap is looked at.
-_MOMENTS = 64
 # Top of a wall's echo: above all that a robot reaches [m].
 _AT_ALL_HEIGHTS = 1e3
+# Moments of a segment at which its gap is looked at, and that of the robot to itself: links swing past each
+# other faster than past the wall.
+_MOMENTS, _OWN_MOMENTS = 64, 256
+# The robot's own shape is known to the millimetre, what is around it to centimetres: the gap to itself counts
+# so many times.
+_OWN_TIMES = 3.0
+# What does not count is so much smaller than it is [m].
+_NOT_THERE = 1e3
 BLOCK = 32
 """Rows of a block: one compilation for all counts."""
 
@@ -60,8 +68,8 @@ class Around(eqx.Module):
 class Segments(NamedTuple):
     """Straight ways and how they are done; the leading axis is the segments.
 
-    ends: joint positions. base, arm: progress of each. gap: least gap of the body on the way [m], a lower
-    bound. at_ends: the gap at either end [m].
+    ends: joint positions. base, arm: progress of each. gap: least gap of the robot on the way [m], a lower
+    bound. at_ends: the gap at either end [m]. strong: whether every motor can hold its links on the way.
     """
 
     ends: Float[np.ndarray, "n 2 joints"]
@@ -69,6 +77,7 @@ class Segments(NamedTuple):
     arm: SCurve
     gap: Float[np.ndarray, " n"]
     at_ends: Float[np.ndarray, "n 2"]
+    strong: Bool[np.ndarray, " n"]
 
 
 def limits(robot: Robot) -> Limits:
@@ -77,12 +86,19 @@ def limits(robot: Robot) -> Limits:
 
 
 def plan_segments(
-    around: Around, ends: Float[np.ndarray, "n 2 joints"], points: Float[np.ndarray, "n m 3"]
+    around: Around,
+    ends: Float[np.ndarray, "n 2 joints"],
+    points: Float[np.ndarray, "n m 3"],
+    touches: Bool[np.ndarray, "n 2"],
 ) -> Segments:
-    """Each as fast as speed, acceleration and torque allow, with its gap to the points and to the echoes."""
-    base, arm = in_blocks(_DRIVE, (around.robot,), (ends,))
-    gap, at_ends = in_blocks(_GAP, (around,), (ends, base, arm, filled(points)))
-    return Segments(ends, base, arm, gap, at_ends)
+    """Each as fast as speed, acceleration and torque allow, with its gap to the points and to the echoes.
+
+    touches: at which of the ends the brush is at the wall; on a way to or from there it does not count.
+    """
+    base, arm, strong = in_blocks(_DRIVE, (around.robot,), (ends,))
+    brush = (~touches).all(axis=1).astype(ends.dtype)
+    gap, at_ends = in_blocks(_GAP, (around,), (ends, base, arm, filled(points), brush))
+    return Segments(ends, base, arm, gap, at_ends, strong > 0)
 
 
 def ways_around(
@@ -102,14 +118,33 @@ def surroundings(around: Around, points: Float[Array, "m 3"]) -> Obstacles:
     return Obstacles.points(points) + Obstacles.sticks(around.echoes, high)
 
 
-def body_gap(robot: Robot, there: Obstacles, q: Float[Array, "times joints"]) -> Float[Array, ""]:
-    """A lower bound of the body's gap [m] at and between joint positions.
+def body_gap(
+    robot: Robot, there: Obstacles, q: Float[Array, "times joints"], brush: Bool[Array, ""]
+) -> Float[Array, ""]:
+    """A lower bound of the robot's gap [m] to what is there, at and between joint positions.
 
-    The base counts as its rectangle, from the floor up to the lidar; all else as spheres.
+    The base counts as its rectangle, from the floor up to the lidar; all else as spheres, and what the base
+    carries must also stay above the floor. brush: whether the brush counts.
     """
-    body = gap_on_the_way(robot.chain, robot.spheres, q, there.distance)
+    whole = _whole(robot)
+    is_brush = np.arange(whole.radius.shape[0]) >= robot.spheres.radius.shape[0]
+    body = _counted(whole, brush | ~is_brush)
+    gap = gap_on_the_way(robot.chain, body, q, there.distance)
+    carried = _counted(body, body.frame >= robot.base_size)
+    floor = gap_on_the_way(robot.chain, carried, q, lambda p: p[2])
     base = footprint_gap(robot.footprint, q[:, : robot.base_size], there, robot.T_base_lidar.p[2])
-    return jnp.minimum(body, base)
+    return jnp.minimum(jnp.minimum(gap, floor), base)
+
+
+def _whole(robot: Robot) -> Spheres:
+    """Body and brush, in this order."""
+    return jax.tree.map(lambda a, b: jnp.concatenate([a, b]), robot.spheres, robot.brush)
+
+
+def _counted(spheres: Spheres, counts: Bool[Array, " spheres"]) -> Spheres:
+    return Spheres(
+        spheres.frame, spheres.center, jnp.where(counts, spheres.radius, spheres.radius - _NOT_THERE)
+    )
 
 
 def filled(points: Float[np.ndarray, "n m 3"]) -> Float[np.ndarray, "n more 3"]:
@@ -136,9 +171,9 @@ def _block(rows: np.ndarray, first: int) -> np.ndarray:
 
 
 def _drive(robot: Robot, ends: Float[Array, "2 joints"]):
-    """Progress of base and arm."""
+    """Progress of base and arm, and 1 where the motors are strong enough."""
     both = jnp.ones(2, bool)
-    trajectory = plan_within_torque(
+    trajectory, strong = plan_within_torque(
         ends,
         both,
         limits(robot),
@@ -148,24 +183,37 @@ def _drive(robot: Robot, ends: Float[Array, "2 joints"]):
         robot.torque_limit,
         base_size=robot.base_size,
     )
-    return jax.tree.map(lambda x: x[0], (trajectory.base, trajectory.arm))
+    return jax.tree.map(lambda x: x[0], (trajectory.base, trajectory.arm, strong.astype(ends.dtype)))
 
 
-def _gap(around: Around, ends, base: SCurve, arm: SCurve, points):
+def _gap(around: Around, ends, base: SCurve, arm: SCurve, points, brush):
     """Least gap of one segment, and that at its ends; NaN, without work, for one that goes nowhere known."""
     known = jnp.isfinite(ends).all()
     nothing = jnp.full((), jnp.nan, ends.dtype), jnp.full(2, jnp.nan, ends.dtype)
-    return jax.lax.cond(known, lambda: _known_gap(around, ends, base, arm, points), lambda: nothing)
+    return jax.lax.cond(
+        known, lambda: _known_gap(around, ends, base, arm, points, brush > 0), lambda: nothing
+    )
 
 
-def _known_gap(around: Around, ends, base: SCurve, arm: SCurve, points):
+def _known_gap(around: Around, ends, base: SCurve, arm: SCurve, points, brush):
     robot, there = around.robot, surroundings(around, points)
     base, arm = jax.tree.map(lambda x: x[None], (base, arm))
     segment = on_one_clock(ends, base, arm, jnp.zeros_like(ends[:, 0]), robot.base_size)
-    times = jnp.linspace(0, 1, _MOMENTS) * segment.segments[0]
-    q = jax.vmap(lambda time: on_segment(segment, 0, time).p)(times)
-    at_ends = jax.lax.map(lambda row: body_gap(robot, there, row[None]), ends)
-    return jnp.minimum(body_gap(robot, there, q), at_ends.min()), at_ends
+
+    def along(moments):
+        times = jnp.linspace(0, 1, moments) * segment.segments[0]
+        return jax.vmap(lambda time: on_segment(segment, 0, time).p)(times)
+
+    def own(q):
+        gap = own_gap(robot.chain, _whole(robot), robot.at_home(q[0, :3]), q, base_size=robot.base_size)
+        return jnp.where(gap > 0, _OWN_TIMES, 1) * gap
+
+    def at(row):
+        return jnp.minimum(body_gap(robot, there, row[None], brush), own(row[None]))
+
+    at_ends = jax.lax.map(at, ends)
+    gap = jnp.minimum(body_gap(robot, there, along(_MOMENTS), brush), own(along(_OWN_MOMENTS)))
+    return jnp.minimum(gap, at_ends.min()), at_ends
 
 
 def _ways(robot: Robot, ends):
@@ -173,5 +221,5 @@ def _ways(robot: Robot, ends):
 
 
 _DRIVE = batched(_drive, in_axes=(None, 0), chunk=BLOCK // 2)
-_GAP = one_by_one(_gap, in_axes=(None, 0, 0, 0, 0))
+_GAP = one_by_one(_gap, in_axes=(None, 0, 0, 0, 0, 0))
 _WAYS = batched(_ways, in_axes=(None, 0), chunk=BLOCK // 2)

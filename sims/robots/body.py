@@ -16,20 +16,20 @@ _CELLS, _CELL = 16, 0.2
 _PICTURE_GROUP = 2  # geoms of this group are there to be looked at: MuJoCo Menagerie's convention
 
 
-def spheres_from_model(model: mujoco.MjModel, joints: Sequence[int]) -> Spheres:
-    """The body as spheres that ride on `joints`: together they hold all of it.
+def spheres_from_model(model: mujoco.MjModel, joints: Sequence[int], *, brush: bool = False) -> Spheres:
+    """The body, or the brush alone, as spheres that ride on `joints`: together they hold all of it.
 
     Capsules and cylinders become rows of spheres, at most a radius apart: 0.12 radii too large around the
     axis, 0.62 at a cylinder's flat ends. Meshes become such rows along their longest side. Boxes are cut into
     cells of a sphere each: 0.37 sides of a cubic cell too large, 0.1 m at most, or 0.14 m beside a plate.
-    Everything else is one sphere. Left out: geoms of group 2 (pictures), and those whose name or whose body's
-    name begins with `brush`: it touches the wall on purpose.
+    Everything else is one sphere. Left out: geoms of group 2 (pictures). The brush is what has a name, or a
+    body with a name, that begins with `brush`: it touches the wall on purpose.
     """
     links, bodies = link_frames(model, joints), body_frames(model)
     frame, center, radius = [], [], []
     for geom in range(model.ngeom):
         link = carrier(model, int(model.geom_bodyid[geom]), joints)
-        if link is None or model.geom_group[geom] == _PICTURE_GROUP or _is_brush(model, geom):
+        if link is None or model.geom_group[geom] == _PICTURE_GROUP or _is_brush(model, geom) != brush:
             continue
         points, r = _cover(model, geom)
         T = np.linalg.inv(links[link]) @ bodies[model.geom_bodyid[geom]] @ _geom_frame(model, geom)

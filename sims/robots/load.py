@@ -78,6 +78,7 @@ def robot_from_model(model: mujoco.MjModel) -> Robot:
         drive=drive_from_model(model),
         footprint=jnp.asarray(footprint),
         spheres=spheres,
+        brush=spheres_from_model(model, joints, brush=True),
         inertia=inertia_from_model(model, joints),
         torque_limit=jnp.asarray(torque_limits(model, joints)),
     )

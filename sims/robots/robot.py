@@ -15,8 +15,8 @@ class Robot(eqx.Module):
     speed_limit, acceleration_limit: of all joints (base first) [m/s, rad/s, and per second]. T_brush_camera:
     axes of both z along the tool, the camera's y down when the brush's is. T_base_lidar. drive: how the base
     rolls. footprint: corners of the base's rectangle in its frame, front left first, counter-clockwise [m].
-    spheres: the body without the brush, for clearance. inertia: of what each joint carries. torque_limit: of
-    its motors [N m or N].
+    spheres: the body without the brush, for clearance; brush: the brush. inertia: of what each joint carries.
+    torque_limit: of its motors [N m or N].
     """
 
     chain: KinematicChain
@@ -30,6 +30,7 @@ class Robot(eqx.Module):
     drive: AbstractDrive
     footprint: Float[Array, "4 2"]
     spheres: Spheres
+    brush: Spheres
     inertia: Inertia
     torque_limit: Float[Array, " joints"]
 

@@ -8,13 +8,14 @@ from experiments.motion.topp import fastest_time
 NODES = 401
 
 
-def straight(length, speed, acceleration, force=np.inf, pull=0.0):
+def straight(length, speed, acceleration, force=np.inf, pull=0.0, damping=0.0):
     """One joint along a line: rows of acceleration, and of a motor that also holds a pull."""
     one = np.ones((1, NODES, 1))
     A = np.concatenate([length * one, length * one], -1)
     limit = np.concatenate([acceleration * one, min(force, 1e9) * one], -1)
     offset = np.concatenate([0 * one, pull * one], -1)
-    return fastest_time(A, 0 * A, offset, limit, np.full((1, NODES), (speed / length) ** 2))[0]
+    drag = np.concatenate([0 * one, damping * length * one], -1)
+    return fastest_time(A, 0 * A, offset, limit, np.full((1, NODES), (speed / length) ** 2), drag)[0]
 
 
 @pytest.mark.parametrize(
@@ -31,6 +32,15 @@ def test_a_motor_that_holds_a_pull_speeds_up_slowly_and_brakes_fast():
     assert straight(1.0, 100.0, 100.0, 3.0, 1.0) == pytest.approx(np.sqrt(2 * (1 / 2 + 1 / 4)), rel=2e-3)
 
 
+def test_damping_slows_the_start_and_helps_to_brake():
+    """v' = 1 - v, then v' = -1 - v: after t at full force v = 1 - exp(-t), and it stops log(1 + v) later."""
+    up = 1.0
+    v = 1 - np.exp(-up)
+    down = np.log(1 + v)
+    length = (up - v) + (v - down)
+    assert straight(length, 100.0, 100.0, 1.0, 0.0, 1.0) == pytest.approx(up + down, rel=5e-3)
+
+
 def test_a_bend_of_the_path_is_taken_at_the_speed_that_its_acceleration_allows():
     """A quarter circle of radius r: across the way, v^2 / r stays below the limit in x and y."""
     s = np.linspace(0, 1, NODES)
@@ -40,7 +50,7 @@ def test_a_bend_of_the_path_is_taken_at_the_speed_that_its_acceleration_allows()
     second = -r * rate**2 * np.stack([np.cos(angle), np.sin(angle)], -1)
     limit = np.full((1, NODES, 2), most)
     found = fastest_time(first[None], second[None], 0 * limit, limit, np.full((1, NODES), 1e6))[0]
-    # no slower than with the same acceleration along the way only where nothing bends, no faster than free
+    # no faster than if it were straight along the diagonal, where both axes accelerate at once
     free = 2 * np.sqrt(np.pi / 2 * r / (np.sqrt(2) * most))
     assert free < found < 2 * free
     # half the acceleration takes sqrt(2) times as long

@@ -69,5 +69,24 @@ def test_both_ends_go_the_same_way_or_each_straight_back(ends, ways):
 def test_an_arm_that_is_folded_is_at_home_and_one_that_is_not_asked_stays(robot, ends, ways):
     for way, (tool, _, _, folded) in zip(ways, WAYS, strict=True):
         for q, via in zip(ends, way, strict=True):
-            if folded or tool == 0:
+            if folded == 1 or (folded == 0 and tool == 0):
                 np.testing.assert_allclose(via[3:], robot.home if folded else q[3:], atol=1e-6)
+
+
+@pytest.mark.parametrize(("what", "at_start"), [(2, "goal"), (3, "start"), (4, "home")])
+def test_the_wrist_moves_apart_from_the_rest_of_the_arm(robot, ends, ways, what, at_start):
+    """At both via points it is the same, and the rest of the arm is as at the end nearby."""
+    wrists = {"start": ends[0][6:], "goal": ends[1][6:], "home": robot.home[3:]}
+    chosen = ways[WAYS[:, 3] == what]
+    assert len(chosen) == 3
+    for way in chosen:
+        for q, via in zip(ends, way, strict=True):
+            np.testing.assert_allclose(via[6:], wrists[at_start], atol=1e-6)
+            np.testing.assert_allclose(via[3:6], q[3:6], atol=1e-6)
+
+
+def test_the_last_ways_go_by_postures_within_the_limits_all_different(robot, ways):
+    arms = ways[WAYS[:, 3] >= 5][..., 3:]
+    np.testing.assert_array_equal(arms[:, 0], arms[:, 1])
+    assert (arms >= np.asarray(robot.lower)).all() and (arms <= np.asarray(robot.upper)).all()
+    assert len(np.unique(arms[:, 0].round(3), axis=0)) == len(arms) > 8

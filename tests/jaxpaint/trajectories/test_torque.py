@@ -22,7 +22,7 @@ def planned(robot):
         limits = Limits(robot.speed_limit, robot.acceleration_limit)
         mask = jnp.ones(points.shape[0], bool)
         free = plan_base_and_arm(points, mask, limits, 0.1)
-        bound = plan_within_torque(points, mask, limits, 0.1, robot.chain, robot.inertia, torque)
+        bound, strong = plan_within_torque(points, mask, limits, 0.1, robot.chain, robot.inertia, torque)
 
         def torques(trajectory):
             def at(t):
@@ -32,7 +32,7 @@ def planned(robot):
             return jax.vmap(at)(jnp.linspace(0, 1, 800) * trajectory.duration)
 
         both = jax.tree.map(lambda a, b: jnp.stack([a, b]), free, bound)
-        return free, bound, *jax.vmap(torques)(both)
+        return free, bound, strong, *jax.vmap(torques)(both)
 
     @jax.jit
     def weights(points):
@@ -59,23 +59,37 @@ def ways(robot):
 
 
 def test_strong_motors_change_nothing(robot, planned):
-    free, bound, _, torque, limit = planned(ways(robot), np.array([2000.0] * 3 + [90] * 3 + [25] * 3))
+    free, bound, strong, _, torque, limit = planned(ways(robot), np.array([2000.0] * 3 + [90] * 3 + [25] * 3))
     np.testing.assert_allclose(bound.segments, free.segments, rtol=1e-5)
-    assert (np.abs(torque) <= limit).all()
+    assert (np.abs(torque) <= limit).all() and strong.all()
 
 
 def test_weak_motors_are_obeyed_and_used(robot, planned):
     """Motors that hold the arm with little to spare."""
-    free, bound, before, after, weak = planned(ways(robot), np.array([70.0, 70, 30, 8, 6, 4, 1, 1, 1]))
+    free, bound, strong, before, after, weak = planned(
+        ways(robot), np.array([70.0, 70, 30, 8, 6, 4, 1, 1, 1])
+    )
     assert (np.abs(before) / weak).max() > 1.3
     assert (np.abs(after) / weak).max() <= 1.001
-    assert (np.abs(after) / weak).max() > 0.9
+    assert (np.abs(after) / weak).max() > 0.9 and strong.all()
     longer = bound.segments / free.segments
     assert longer.max() > 1.05 and longer.min() > 1 - 1e-5
     np.testing.assert_allclose(bound.points, free.points)
 
 
-def test_a_motor_too_weak_for_the_weight_is_no_reason_to_stand_still(robot, planned):
+def test_a_motor_too_weak_for_the_weight_is_told_and_makes_no_plan_that_is_not_finite(robot, planned):
     spare = np.array([90.0, 90, 60, 20, -5, 18, 3, 3, 3])
-    _, bound, _, _, _ = planned(ways(robot), spare)
+    _, bound, strong, *_ = planned(ways(robot), spare)
+    assert not strong.all()
     assert np.isfinite(bound.segments).all() and bound.segments.max() < 20
+
+
+def test_a_motor_that_the_weight_takes_nearly_all_of_is_limited_all_the_same(robot, planned):
+    """The weight at the shoulder is 98 % of what its motor gives: slow, and within the limit."""
+    *_, strong_limit = planned(ways(robot), np.zeros(9))
+    spare = np.array([2000.0, 2000, 2000, 90, strong_limit[4] * (1 / 0.98 - 1), 90, 25, 25, 25])
+    free, bound, strong, before, after, limit = planned(ways(robot), spare)
+    assert strong.all()
+    assert (np.abs(before) / limit).max() > 1.05
+    assert (np.abs(after) / limit).max() <= 1.001
+    assert bound.segments.max() > free.segments.max() and np.isfinite(bound.segments).all()

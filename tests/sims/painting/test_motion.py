@@ -3,17 +3,19 @@
 from types import SimpleNamespace
 from typing import cast
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
 from jaxpaint import planning
+from jaxpaint.kinematics import forward
 from jaxpaint.mapping import Canvas
 from jaxpaint.trajectories import sample
 from sims.painting.job import Job
 from sims.painting.motion import SETTLE, clear_motion, find_ways, motion_duration, motion_rows
-from sims.painting.segments import Around, filled, in_blocks, surroundings
+from sims.painting.segments import Around, filled, in_blocks, plan_segments, surroundings
 from sims.painting.survey import camera_arm, echoes_before
 from sims.robots import load_robot
 from sims.scenes.canvases import canvas_for
@@ -132,3 +134,51 @@ def test_blocks_give_back_as_many_rows_as_came():
     assert len(set(taken)) == 1
     more = filled(np.zeros((2, 5, 3)))
     assert more.shape[1] % 64 == 0 and np.isfinite(more).all(-1).sum() == 10
+
+
+def test_no_join_jumps_in_position_speed_or_acceleration(motion):
+    """At start, waypoints, via points and end of both worlds, in double precision: there nothing moves or
+    accelerates, and a tenth of a millisecond aside hardly so.
+    """
+    around, still = np.array([-1e-4, 0, 1e-4]), 8.0 / 0.04 * 1e-4 * 1.1  # [rad/s^2]: the steepest build-up
+    with jax.enable_x64(True):
+        for world in range(2):
+            one = jax.tree.map(lambda x, w=world: jnp.asarray(np.asarray(x, float)[w]), motion.trajectory)
+            begin = np.asarray(one.start)
+            joins = np.unique(np.concatenate([begin, begin + np.asarray(one.segments), [0, one.duration]]))
+            states = [
+                jax.vmap(lambda t, one=one: sample(one, t))(jnp.asarray(join + around)) for join in joins
+            ]
+            for state in states:
+                assert np.abs(state.a).max() < still and np.abs(state.v).max() < still * 1e-4
+                assert np.abs(np.diff(state.p, axis=0)).max() < 1e-7
+
+
+def test_a_motor_that_cannot_hold_the_arm_is_told(job):
+    """The arm weighs about 60 N m at the shoulder."""
+    ends = np.asarray(job.robot.at_home(jnp.array([-3.0, 0, 0])), np.float32)[None, None].repeat(2, axis=1)
+    ends[0, 1, 0] += 0.3
+    nothing = np.full((1, 1, 3), np.nan, np.float32)
+    weak = eqx.tree_at(lambda a: a.robot.torque_limit, Around.of(job), job.robot.torque_limit.at[4].set(10.0))
+    assert find_ways(Around.of(job), ends, nothing).strong.all()
+    assert not find_ways(weak, ends, nothing).strong.all()
+
+
+def test_the_brush_counts_but_on_a_way_to_its_touch(job):
+    """A post that reaches two centimetres into the brush, and nothing else."""
+    home = np.asarray(job.robot.at_home(jnp.array([-3.0, 0, 0])), np.float32)
+    pose = forward(job.robot.chain, jnp.asarray(home))
+    post = np.asarray(pose.p - 0.02 * pose.R[:, 2], np.float32)[None, None]
+    ends = np.stack([home - 0.2 * (np.arange(9) == 0), home]).astype(np.float32)[None]
+    assert find_ways(Around.of(job), ends, post).gap.min() < 0
+    assert find_ways(Around.of(job), ends, post, np.array([[False, True]])).gap.min() > 0
+
+
+def test_a_tool_that_would_pass_through_the_forearm_goes_another_way_or_is_known_to(job):
+    """Joint by joint the straight way is short; the tool is in the forearm in the middle of it."""
+    ends = np.array(
+        [[-3, 0, 0, -0.24, -0.96, 1.96, 2.14, -1.34, 0], [-3, 0, 0, 0.86, -2.81, 1.77, 1.18, -3.98, -3.14]]
+    )
+    nothing = np.full((1, 1, 3), np.nan, np.float32)
+    straight = plan_segments(Around.of(job), ends[None].astype(np.float32), nothing, np.zeros((1, 2), bool))
+    assert straight.at_ends.min() > 0 and straight.gap[0] < -0.03
