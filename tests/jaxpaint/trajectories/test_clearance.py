@@ -42,9 +42,13 @@ def test_a_robot_that_drives_at_a_wall_loses_as_much_clearance_as_it_drives(robo
 
 
 def test_the_nearest_part_decides(robot, gap):
-    """A wall to the left is nearest to the chassis, a ceiling to the elbow."""
+    """A wall to the left is nearest to the chassis, a ceiling to the elbow.
+
+    The chassis is 12 cells of 0.1875 x 0.2 x 0.2 m, a sphere around each.
+    """
     q = np.asarray(robot.at_home(jnp.zeros(3)))[None]
-    assert gap(q, [0, -1, 0], 1.0) == pytest.approx(1.0 - 0.30, abs=1e-5)
+    reach = 0.2 + np.linalg.norm([0.1875, 0.2, 0.2]) / 2
+    assert gap(q, [0, -1, 0], 1.0) == pytest.approx(1.0 - reach, abs=1e-5)
     assert 0.5 < gap(q, [0, 0, -1], 2.0) < 0.9
 
 
