@@ -31,7 +31,7 @@ from sims.robots import Robot
 
 # Share of the robot's limits that plans use: the rest is for the feedback.
 _PACE = 0.97
-# Moments of a segment at which its gap is looked at.
+# Moments of a segment at which its gap is looked at; the bound holds between them, and is close with so many.
 _MOMENTS = 64
 # Top of a wall's echo: above all that a robot reaches [m].
 _AT_ALL_HEIGHTS = 1e3
