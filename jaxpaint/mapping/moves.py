@@ -24,8 +24,9 @@ class MoveSettings(eqx.Module):
     clearance: lift along the normal [m]. low: the same for a hop to a neighbour, and slope: how much more for
     each metre to go, up to the clearance [-]. margin: distance kept from the known surface on the way [m].
     corridor: half the width of the way in which the surface counts [m]. speed [m/s], acceleration [m/s^2],
-    turn_rate [rad/s]: limits of the move. change_height: lift for another tool [m]. change_time: that the
-    change takes [s].
+    turn_rate [rad/s]: limits of the move. change_height: lift for another tool [m]: room for a hand or a tool
+    holder between brush and wall, within the arm's reach back from it. change_time: that the change takes
+    [s].
     """
 
     clearance: Float[Array, ""] = eqx.field(default=0.05, converter=jnp.asarray)

@@ -7,7 +7,8 @@ from jaxtyping import Float
 
 from jaxpaint.planning.profile import Profile
 
-# Samples of an area: enough that footprints fit to a few centimetres, few enough for an exact set cover.
+# Samples of an area: enough that footprints fit to a few centimetres, few enough for an exact set cover; and
+# no finer than this [m], which is finer than any view is placed.
 _SAMPLES = 450
 _FINEST = 0.06
 # A surface's direction is that of a chord of this length, so that the lidar's noise does not turn it [m].

@@ -10,9 +10,11 @@ from jaxtyping import Bool, Float
 from jaxpaint.planning.area import OperatingArea
 
 # What is not the preferred view costs this part of a stop: a radian aside, a picture on its side, a metre.
+# Only their order matters: all of them together stay below a stop, so that no view is ever bought with one.
 _ANGLE_COST, _ROLL_COST, _DISTANCE_COST = 0.1, 0.05, 0.5
 # Coming as near as this grid of look-at points is near enough to the best one [m].
 _GRID = 0.2
+# An outline bends by noise: looks a little beyond the evenly spread ones reach ends that these just miss [m].
 _HAIR = 0.04
 
 
@@ -106,7 +108,6 @@ def _looks(ends: tuple[float, float], window: float) -> Float[np.ndarray, " n"]:
         return middle + np.linspace(-0.5, 0.5, 5) * (window - length)
     most = 1 + math.ceil((length - window) / max(window, 1e-3) - 1e-9)
     half = (length - window) / 2
-    # An outline is never quite straight: ends that are just reached may be missed by a hair.
     evenly = [np.linspace(-h, h, n) for n in range(2, most + 2) for h in (half, half + _HAIR)]
     grid = np.linspace(-half, half, 1 + math.ceil(2 * half / _GRID))
     return middle + np.unique(np.concatenate([*evenly, grid]).round(3))

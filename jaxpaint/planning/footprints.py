@@ -7,7 +7,8 @@ from jaxpaint.planning.area import OperatingArea
 from jaxpaint.planning.cameras import Cameras, ViewSettings
 from jaxpaint.planning.surroundings import Surroundings
 
-# An echo as near to a line of sight as this blocks it; so near to the line's end it is the surface [m].
+# An echo as near to a line of sight as this blocks it: as far apart as beams are at some metres. So near to
+# the line's end it is the surface: noise, and an outline that cuts corners off [m].
 _THICK, _END = 0.03, 0.12
 
 

@@ -5,7 +5,9 @@ import dataclasses
 import numpy as np
 from jaxtyping import Float
 
-# Width of a bin across the canvas, few at least; depths behind it at which an echo is taken for the wall [m].
+# Width of a bin across the canvas: some echoes fall into each, and few bins at least, for a narrow canvas to
+# have a direction. Depths behind it at which an echo is taken for the wall: a corner is up to 0.85 m deep
+# [m].
 _BIN, _FEWEST = 0.08, 4
 _DEPTHS = (0.0, 1.3)
 # Beyond its ends the outline goes on as its last part runs, of this length [m].

@@ -14,8 +14,9 @@ from jaxpaint.planning.surroundings import Surroundings
 
 # Pairs solved at once: one size, compiled once.
 _BLOCK = 512
+# Starts of the inverse kinematics: fewer than for one pose, as a view has several stops to be reached from.
 _STARTS = 4
-# Gap that a posture keeps from everything [m].
+# Gap that a posture keeps from everything: twice the lidar's noise [m].
 _GAP = 0.02
 # The base may stand this far further off than it was meant to, and the camera is reached still [m].
 _OFF = 0.09

@@ -13,9 +13,10 @@ from jaxpaint.planning.set_cover import cheap_cover, set_cover
 from jaxpaint.planning.stops import blocked_ways, facing_stop, way_between
 from jaxpaint.planning.surroundings import Surroundings
 
-# A metre between stops and to the middle of the area costs this part of a stop, a radian of the arm too.
-_WAY_COST, _OFF_HOME = 0.1, 0.02
-# Groups of up to so many stops are tried, and so many groups of each size.
+# A radian of the arm away from home costs this part of a stop: it decides between views that are alike.
+_OFF_HOME = 0.02
+# Groups of up to so many stops are tried, as there are 230,000 of four of fifty, and so many groups of each
+# size: each is a set cover.
 _STOPS, _TRIES = 3, 5
 
 

@@ -8,10 +8,12 @@ from jaxpaint.planning.reach import CameraArm
 from jaxpaint.planning.surroundings import Surroundings, backed, drives_clear, stands_clear
 from jaxpaint.planning.visits import shortest_order
 
-# Stops are tried at this spacing along the wall, up to so far beyond its ends, and so far back [m].
+# Stops are tried at this spacing along the wall, up to so far beyond its ends, and so far back [m]: steps
+# well below the arm's reach, so that a view that is missed from one is had from the next.
 _STEP, _BEYOND = 0.2, 0.4
 _BACK = (0.0, 0.15, 0.3)
-# The base faces the wall as a chord of this length lies [m].
+# The base faces the wall as a chord of this length lies [m]: about the base's own length, so that it does
+# not turn into every niche.
 _CHORD = 0.8
 # A radian of turning takes as long as this way [m], and no detour is as bad as a blocked way.
 _LEVER, _BLOCKED = 0.5, 100.0

@@ -16,13 +16,13 @@ from jaxpaint.planning.stops import blocked_ways, candidate_stops, facing_stop, 
 from jaxpaint.planning.surroundings import Surroundings
 from jaxpaint.planning.visits import shortest_order
 
-# Bases tried for a square view, and for any. Sixteen are all stops within reach of a view; among all views
-# there are ten times as many pairs to solve, and each cover has others to choose from.
+# Bases tried for a square view, and for any, likely ones first: each pair costs an inverse kinematics, there
+# are ten times as many of all views as of square ones, and more of them to choose from.
 _BASES = 16, 8
 # A view that sees less than this share of what the best one sees is not tried: with two of those in place of
 # one, a cover has a view more than it needs.
 _WORTH = 0.4
-# A camera stays this far from everything [m]: half its own width, and what the base may stand off.
+# A camera stays this far from everything [m]: what the base may stand off, see `reach`, and its own size.
 _CAMERA_GAP = 0.15
 
 

@@ -15,9 +15,14 @@ _LARGEST_SPREAD = 0.2
 class Brush(Applicator):
     """A round bristle brush whose free tips would stand `compression` deep in the wall when held as planned.
 
-    radius: of the contact at nominal compression [m]. compression: nominal [m], of about 25 mm of bristle:
-        what a drifting robot may be off along the normal before it loses the wall;
-        contact is lost where the tip is lifted by more than this.
+    radius: of the contact at nominal compression [m].
+    compression: how deep the path presses the bristles into the wall [m]: a choice of the plan, 10 mm of
+        about 25 mm of bristle, and no property of the true brush. The planned path lies on the surface with
+        the bristles bent by so much, and contact is lost where the tip is lifted by more: that is what a
+        drifting robot may be off along the normal before it leaves bare wall. It costs force on wall and
+        arm, wear, bristles that splay where they are pressed still further (`spread`), and paint that is
+        squeezed out at starts and ends; of these only the splaying is modelled. With less, coverage falls
+        where scan and base err by more than that.
     spread: growth of the contact's radius per metre of further compression [1]; bent bristles splay.
     softness: width of the rim beyond the radius over which the pressure falls to zero [m]. Splayed outer
         bristles lift off gradually. At 20 % of the film as the limit of

@@ -18,6 +18,7 @@ from sims.painting.path import Painting
 from sims.painting.scan import joint_plan
 from sims.worlds import World
 
+# Starts of the inverse kinematics: as for the scan.
 _STARTS = 6
 # The spin about the brush is free, as for the whole-body controller; a little weight keeps the camera
 # upright.

@@ -16,6 +16,7 @@ from sims.painting.job import PAINT, Job
 from sims.rollout import RECORD_EVERY, Record
 from sims.worlds import Kinematic, World, standing
 
+# Rows of the plan between base stations: half a second, as in `path`.
 _STATION_EVERY = 25
 
 

@@ -7,7 +7,7 @@ import jax
 import numpy as np
 from jaxtyping import Float, Int
 
-HELD = 800e6  # bytes of films that are kept
+HELD = 800e6  # bytes of films that are kept: a fraction of a small machine's memory
 
 Group = Int[np.ndarray, " group"]
 

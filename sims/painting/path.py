@@ -16,16 +16,17 @@ from sims.painting.drive import BrushPlan
 from sims.painting.job import Job
 from sims.painting.scan import steps_for
 
-# Every so many control steps a base station is planned.
+# Every so many control steps a base station is planned: half a second, in which a brush goes 15 mm.
 _STATION_EVERY = 25
 # A base in the middle of what it serves stays there: its brush is nearer than the release margin, by this
 # share of it.
 _WITHIN = 0.8
 # With a small margin, or none, the base still does not go to and fro for less than this [m].
 _NARROWEST = 0.1
-# Least distance of the base's footprint from anything seen [m].
+# Least distance of the base's footprint from anything seen [m]: many times what odometry drifts in a run.
 _CLEARANCE = 0.12
-# One point in so many of the cloud stands for the surface where distances to it are asked.
+# One point in so many of the cloud stands for the surface where distances to it are asked: 500 are left of
+# 40,000, some centimetres apart.
 _SPARSE = 80
 # Strokes are cut where the surface has no point: there is room for so many runs of each, and for some more.
 _RUNS_EACH, _MORE_RUNS = 2, 96

@@ -20,7 +20,7 @@ from sims.worlds import World, standing
 
 # Points of a world's merged cloud: a static budget.
 MAX_POINTS = 40_000
-# Starts of the inverse kinematics.
+# Starts of the inverse kinematics: home and postures about it, as one start alone can end in a local minimum.
 _STARTS = 6
 
 

@@ -35,8 +35,8 @@ from sims.robots import Robot
 _PACE = 0.97
 # Top of a wall's echo: above all that a robot reaches [m].
 _AT_ALL_HEIGHTS = 1e3
-# Moments of a segment at which its gap is looked at, and that of the robot to itself: links swing past each
-# other faster than past the wall.
+# Moments of a segment at which its gap is looked at, and that of the robot to itself, whose links swing past
+# each other faster than past the wall. The bound holds between them, and is close with so many.
 _MOMENTS, _OWN_MOMENTS = 64, 256
 # The robot's own shape is known to the millimetre, what is around it to centimetres: the gap to itself counts
 # so many times.

@@ -11,7 +11,7 @@ from jaxpaint.planning import Viewpoints
 from sims.scenes.scene import Scene
 from sims.sensors import Camera, render
 
-# Distance of neighbouring points that are asked for [m].
+# Distance of neighbouring points that are asked for [m]: some pixels, and a few thousand points on a canvas.
 _SPACING = 0.02
 # A surface further behind the canvas is none of it; a pixel as near in depth shows the same surface [m].
 _DEEPEST, _SAME = 1.5, 0.02

@@ -16,11 +16,11 @@ from sims.scenes.charts import AbstractChart
 from sims.scenes.scene import Scene
 
 CELL = 0.001  # of the wanted picture [m]
-MARGIN = 0.005  # of paint about the ink that is no fault yet [m]
-_STRIP = 0.010  # beside a brush, left out along a fold [m]
-_SHARP = np.radians(30.0)  # between normals a few cells apart: a fold [rad]
-_STRIDE = 4  # cells between normals
-_SAME = 0.005  # a ray that comes back to a cell within this saw that cell [m]
+MARGIN = 0.005  # of paint about the ink that is no fault yet: the contract's [m]
+_STRIP = 0.010  # beside a brush, left out along a fold: what the mapper drops there [m]
+_SHARP = np.radians(30.0)  # between normals a few cells apart: a fold; a column of 8 mm radius is none [rad]
+_STRIDE = 4  # cells between normals: a sixteenth of the work
+_SAME = 0.005  # a ray that comes back to a cell within this saw that cell: some cells, no other sheet [m]
 
 
 @dataclass(frozen=True, eq=False)

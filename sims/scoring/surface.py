@@ -7,6 +7,7 @@ from jaxtyping import Array, Bool, Float
 
 from sims.scenes.charts import AbstractChart
 
+# Points of the cloud at once: what a cache holds of their distances to all samples.
 _BLOCK = 128
 
 

@@ -12,7 +12,7 @@ from sims.scoring.histogram import Histogram
 from sims.scoring.log import Log
 from sims.status import Status
 
-WITHIN = 0.030  # of the plan, for 95 % of the pen-down time [m]
+WITHIN = 0.030  # of the plan, for 95 % of the pen-down time: the contract's `ok` [m]
 WITHIN_SHARE = 0.95
 _ERROR_BIN, _ERROR_BINS = 1e-4, 5000  # 0.1 mm up to 0.5 m
 _ANGLE_BIN, _ANGLE_BINS = 0.02 * jnp.pi / 180, 9000  # 0.02 degrees up to 180
