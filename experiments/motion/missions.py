@@ -12,6 +12,7 @@ from jaxpaint.compiling import batched
 from jaxpaint.kinematics import Pose, compose, exponential, frame_from_axis, solve, spread_starts
 from sims.limits import robot_limits
 from sims.painting.motion import Motion, motion_among
+from sims.painting.postures import solve_apart
 from sims.painting.segments import Around
 from sims.painting.survey import camera_arm, echoes_before
 from sims.robots import load_robot
@@ -164,7 +165,7 @@ def _solve_one(around: Around, home, draw):
     target = jax.tree.map(lambda a, b: jnp.where(draw["camera"], a, b), seen, held)
     spread = spread_starts(robot.home, robot.lower, robot.upper, count=6)
     arm = robot.arm(base)
-    first = solve(arm, spread, target, robot.lower, robot.upper)
+    first = solve_apart(robot, arm, base, spread, target)
     touching = Pose(jnp.where(draw["camera"], target.p, point), target.R)
     touch = solve(arm, first.q[None], touching, robot.lower, robot.upper)
     there = jnp.where(draw["camera"], first.q, touch.q)

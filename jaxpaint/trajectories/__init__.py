@@ -3,7 +3,7 @@
 from jaxpaint.trajectories.clearance import Obstacles, gap_on_the_way
 from jaxpaint.trajectories.detours import WAYS, detours
 from jaxpaint.trajectories.footprint import footprint_gap, signed_distance
-from jaxpaint.trajectories.own_clearance import own_gap
+from jaxpaint.trajectories.own_clearance import own_gap, own_gap_at
 from jaxpaint.trajectories.s_curve import Progress, SCurve, progress, s_curve, stretched
 from jaxpaint.trajectories.torque import plan_within_torque, slow_down
 from jaxpaint.trajectories.waypoints import (
@@ -31,6 +31,7 @@ __all__ = [
     "on_one_clock",
     "on_segment",
     "own_gap",
+    "own_gap_at",
     "plan_base_and_arm",
     "plan_within_torque",
     "progress",

@@ -5,11 +5,15 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from jaxpaint.kinematics.chain import KinematicChain
-from jaxpaint.kinematics.spheres import Spheres
+from jaxpaint.kinematics.spheres import Spheres, sphere_centers
 from jaxpaint.trajectories.clearance import sphere_centers_looped
 
 _JOINED = 2
 """Parts of links so many joints apart, as in a wrist, may be near each other always."""
+
+_ROOM, _FAT = 0.01, 0.03
+"""A pair that is nearer than the first where a way begins or ends counts there as if it were so far apart, by
+the second at most, which is what spheres stand out beyond the flat ends of what they cover [m]."""
 
 
 def own_gap(
@@ -17,6 +21,7 @@ def own_gap(
     spheres: Spheres,
     home: Float[Array, " joints"],
     q: Float[Array, "times joints"],
+    ends: Float[Array, "ends joints"],
     *,
     base_size: int = 3,
 ) -> Float[Array, ""]:
@@ -24,32 +29,53 @@ def own_gap(
     looked at; negative where they overlap.
 
     Pairs on links that are joined do not count, nor do those whose spheres overlap at `home`: there the robot
-    is known to be whole. Where two spheres move by d and e between two moments their gap is no less than the
-    mean of its two values less (d + e) / 2.
+    is known to be whole. Spheres are fatter than the robot: a pair that is near at one of the `ends` may be
+    so near, within limits, all the way. Where two spheres move by d and e between two moments their gap is no
+    less than the mean of its two values less (d + e) / 2.
     """
     apart = jnp.abs(spheres.frame[:, None] - spheres.frame[None]) > _JOINED
-    reach = spheres.radius[:, None] + spheres.radius[None]
+    touching = spheres.radius[:, None] + spheres.radius[None]
     # the base carries all of them alike: it stands still
     still = jnp.arange(q.shape[1]) < base_size
 
     def placed(row):
         return sphere_centers_looped(chain, spheres, jnp.where(still, 0, row))
 
-    def gaps(centers):
+    def apart_by(centers):
         away = centers[:, None] - centers[None]
-        return jnp.sqrt((away * away).sum(-1)) - reach
+        return jnp.sqrt((away * away).sum(-1)) - touching
 
-    counts = apart & (gaps(placed(home)) > 0)
+    counts = apart & (apart_by(placed(home)) > 0)
+    nearest = jax.lax.map(lambda row: apart_by(placed(row)), ends).min(0)
+    slack = jnp.clip(_ROOM - nearest, 0, _FAT)
+
+    def gaps(centers):
+        return jnp.where(counts, apart_by(centers) + slack, jnp.inf)
+
     first = placed(q[0])
 
     def between(before, row):
         (old, gap_before), centers = before, placed(row)
-        gap = jnp.where(counts, gaps(centers), jnp.inf)
+        gap = gaps(centers)
         step = centers - old
         moved = jnp.sqrt((step * step).sum(-1))
-        bound = jnp.where(counts, (gap + gap_before - moved[:, None] - moved[None]) / 2, jnp.inf)
+        bound = (gap + gap_before - moved[:, None] - moved[None]) / 2
         return (centers, gap), jnp.minimum(gap.min(), bound.min())
 
-    start = first, jnp.where(counts, gaps(first), jnp.inf)
-    _, least = jax.lax.scan(between, start, q)
+    _, least = jax.lax.scan(between, (first, gaps(first)), q)
     return least.min()
+
+
+def own_gap_at(
+    chain: KinematicChain, spheres: Spheres, home: Float[Array, " joints"], q: Float[Array, " joints"]
+) -> Float[Array, ""]:
+    """The least gap between parts of the robot at one posture [m]: pairs as in `own_gap`, nothing allowed."""
+    apart = jnp.abs(spheres.frame[:, None] - spheres.frame[None]) > _JOINED
+    touching = spheres.radius[:, None] + spheres.radius[None]
+
+    def gaps(row):
+        centers = sphere_centers(chain, spheres, row)
+        away = centers[:, None] - centers[None]
+        return jnp.sqrt((away * away).sum(-1)) - touching
+
+    return jnp.where(apart & (gaps(home) > 0), gaps(q), jnp.inf).min()

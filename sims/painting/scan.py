@@ -9,12 +9,13 @@ from jaxtyping import Array, Bool, Float, Int
 
 from jaxpaint.compiling import batched, one_by_one
 from jaxpaint.kinematics.chain import arm_chain, forward
-from jaxpaint.kinematics.ik import solve, spread_starts
+from jaxpaint.kinematics.ik import spread_starts
 from jaxpaint.kinematics.pose import Pose
 from sims.odometry import draw_slip
 from sims.painting.drive import Driven, JointPlan
 from sims.painting.job import DEPTH, SLIP, START, Job
 from sims.painting.motion import SETTLE, clear_motion, motion_duration, motion_rows
+from sims.painting.postures import solve_apart
 from sims.sensors import crop_to_canvas, merge_views, observe, render, thin
 from sims.worlds import World, standing
 
@@ -62,7 +63,7 @@ def plan_scan(job: Job, world: World) -> tuple[Float[Array, "w joints"], Bool[Ar
         base = jnp.where((stop == job.camera_base[0]).all(), world.odometry, stop)
         chain = arm_chain(job.robot.camera_chain, base)
         starts = jnp.concatenate([q_before[None], spread])
-        found = solve(chain, starts, Pose(place, rotation), job.robot.lower, job.robot.upper)
+        found = solve_apart(job.robot, chain, base, starts, Pose(place, rotation))
         return found.q, (jnp.concatenate([base, found.q]), found.converged)
 
     views = job.camera_place, job.camera_rotation, job.camera_base

@@ -41,6 +41,10 @@ _MOMENTS, _OWN_MOMENTS = 64, 256
 # The robot's own shape is known to the millimetre, what is around it to centimetres: the gap to itself counts
 # so many times.
 _OWN_TIMES = 3.0
+# A run begins where the brush at home is nearly at the wall: where a way has it nearer at an end than this it
+# counts as if it were so far away, and may come no nearer; by so much at most, which is what echoes are noisy
+# by and its spheres stand out [m].
+_BRUSH_ROOM, _BRUSH_SLACK = 0.01, 0.04
 # What does not count is so much smaller than it is [m].
 _NOT_THERE = 1e3
 BLOCK = 32
@@ -119,18 +123,18 @@ def surroundings(around: Around, points: Float[Array, "m 3"]) -> Obstacles:
 
 
 def body_gap(
-    robot: Robot, there: Obstacles, q: Float[Array, "times joints"], brush: Bool[Array, ""]
+    robot: Robot, there: Obstacles, q: Float[Array, "times joints"], slack: Float[Array, ""]
 ) -> Float[Array, ""]:
     """A lower bound of the robot's gap [m] to what is there, at and between joint positions.
 
     The base counts as its rectangle, from the floor up to the lidar; all else as spheres, and what the base
-    carries must also stay above the floor. brush: whether the brush counts.
+    carries must also stay above the floor. slack: what the brush may be nearer [m].
     """
     whole = _whole(robot)
     is_brush = np.arange(whole.radius.shape[0]) >= robot.spheres.radius.shape[0]
-    body = _counted(whole, brush | ~is_brush)
+    body = _thinner(whole, jnp.where(is_brush, slack, 0))
     gap = gap_on_the_way(robot.chain, body, q, there.distance)
-    carried = _counted(body, body.frame >= robot.base_size)
+    carried = _thinner(body, jnp.where(body.frame >= robot.base_size, 0, _NOT_THERE))
     floor = gap_on_the_way(robot.chain, carried, q, lambda p: p[2])
     base = footprint_gap(robot.footprint, q[:, : robot.base_size], there, robot.T_base_lidar.p[2])
     return jnp.minimum(jnp.minimum(gap, floor), base)
@@ -141,10 +145,8 @@ def _whole(robot: Robot) -> Spheres:
     return jax.tree.map(lambda a, b: jnp.concatenate([a, b]), robot.spheres, robot.brush)
 
 
-def _counted(spheres: Spheres, counts: Bool[Array, " spheres"]) -> Spheres:
-    return Spheres(
-        spheres.frame, spheres.center, jnp.where(counts, spheres.radius, spheres.radius - _NOT_THERE)
-    )
+def _thinner(spheres: Spheres, by: Float[Array, " spheres"]) -> Spheres:
+    return Spheres(spheres.frame, spheres.center, spheres.radius - by)
 
 
 def filled(points: Float[np.ndarray, "n m 3"]) -> Float[np.ndarray, "n more 3"]:
@@ -205,14 +207,20 @@ def _known_gap(around: Around, ends, base: SCurve, arm: SCurve, points, brush):
         return jax.vmap(lambda time: on_segment(segment, 0, time).p)(times)
 
     def own(q):
-        gap = own_gap(robot.chain, _whole(robot), robot.at_home(q[0, :3]), q, base_size=robot.base_size)
+        gap = own_gap(robot.chain, _whole(robot), robot.at_home(q[0, :3]), q, ends, base_size=robot.base_size)
         return jnp.where(gap > 0, _OWN_TIMES, 1) * gap
 
+    def brush_at(row):
+        return gap_on_the_way(robot.chain, robot.brush, row[None], there.distance)
+
+    near = jax.lax.map(brush_at, ends).min()
+    slack = jnp.where(brush, jnp.clip(_BRUSH_ROOM - near, 0, _BRUSH_SLACK), _NOT_THERE)
+
     def at(row):
-        return jnp.minimum(body_gap(robot, there, row[None], brush), own(row[None]))
+        return jnp.minimum(body_gap(robot, there, row[None], slack), own(row[None]))
 
     at_ends = jax.lax.map(at, ends)
-    gap = jnp.minimum(body_gap(robot, there, along(_MOMENTS), brush), own(along(_OWN_MOMENTS)))
+    gap = jnp.minimum(body_gap(robot, there, along(_MOMENTS), slack), own(along(_OWN_MOMENTS)))
     return jnp.minimum(gap, at_ends.min()), at_ends
 
 
