@@ -41,9 +41,9 @@ _MOMENTS, _OWN_MOMENTS = 64, 256
 # The robot's own shape is known to the millimetre, what is around it to centimetres: the gap to itself counts
 # so many times.
 _OWN_TIMES = 3.0
-# A run begins where the brush at home is nearly at the wall: where a way has it nearer at an end than this it
-# counts as if it were so far away, and may come no nearer; by so much at most, which is what echoes are noisy
-# by and its spheres stand out [m].
+# A run begins where the brush at home is nearly at the wall. Where a way begins with the brush nearer than
+# this, it counts as if it were so far away there, and may come no nearer on the way; by so much at most, which
+# is what echoes are noisy by and its spheres stand out [m].
 _BRUSH_ROOM, _BRUSH_SLACK = 0.01, 0.04
 # What does not count is so much smaller than it is [m].
 _NOT_THERE = 1e3
@@ -213,8 +213,7 @@ def _known_gap(around: Around, ends, base: SCurve, arm: SCurve, points, brush):
     def brush_at(row):
         return gap_on_the_way(robot.chain, robot.brush, row[None], there.distance)
 
-    near = jax.lax.map(brush_at, ends).min()
-    slack = jnp.where(brush, jnp.clip(_BRUSH_ROOM - near, 0, _BRUSH_SLACK), _NOT_THERE)
+    slack = jnp.where(brush, jnp.clip(_BRUSH_ROOM - brush_at(ends[0]), 0, _BRUSH_SLACK), _NOT_THERE)
 
     def at(row):
         return jnp.minimum(body_gap(robot, there, row[None], slack), own(row[None]))

@@ -173,13 +173,14 @@ def test_a_motor_that_cannot_hold_the_arm_is_told(job):
 
 
 def test_the_brush_counts_but_on_a_way_to_its_touch(job):
-    """A post that reaches two centimetres into the brush, and nothing else."""
+    """A thing at the brush, two centimetres from its tip: no goal, but a run may begin there."""
     home = np.asarray(job.robot.at_home(jnp.array([-3.0, 0, 0])), np.float32)
     pose = forward(job.robot.chain, jnp.asarray(home))
     post = np.asarray(pose.p - 0.02 * pose.R[:, 2], np.float32)[None, None]
     ends = np.stack([home - 0.2 * (np.arange(9) == 0), home]).astype(np.float32)[None]
     assert find_ways(Around.of(job), ends, post).gap.min() < 0
     assert find_ways(Around.of(job), ends, post, np.array([[False, True]])).gap.min() > 0
+    assert 0 < find_ways(Around.of(job), ends[:, ::-1], post).gap.min() < 0.011
 
 
 def test_a_tool_that_would_pass_through_the_forearm_goes_another_way_or_is_known_to(job):
