@@ -39,7 +39,7 @@ _MOMENTS, _OWN_MOMENTS = 64, 256
 # so many times.
 _OWN_TIMES = 3.0
 # A run begins where the brush at home is nearly at the wall. Where a way begins with the brush nearer than
-# this, it counts as if it were so far away there, and may come no nearer on the way; by so much at most, which
+# this, it counts as if it were so far away there, and may come no nearer after; by so much at most, which
 # is what echoes are noisy by and its spheres stand out [m].
 _BRUSH_ROOM, _BRUSH_SLACK = 0.01, 0.04
 # What does not count is so much smaller than it is [m].
