@@ -15,6 +15,7 @@ from jaxtyping import Array, Bool, Float
 from jaxpaint.compiling import Batched, batched, one_by_one
 from jaxpaint.kinematics import Spheres
 from jaxpaint.mapping.canvas import Canvas
+from jaxpaint.planning.surroundings import CLUTTER, is_clutter
 from jaxpaint.trajectories import (
     Limits,
     Obstacles,
@@ -32,20 +33,20 @@ from sims.robots import Robot
 
 # Share of the robot's limits that plans use: the rest is for the feedback.
 _PACE = 0.97
-# Moments of a segment at which its gap is looked at, and that of the robot to itself: links swing past each
-# other faster than past the wall.
+# Top of a wall's echo: above all that a robot reaches [m].
+_AT_ALL_HEIGHTS = 1e3
+# Moments of a segment at which its gap is looked at, and that of the robot to itself, whose links swing past
+# each other faster than past the wall. The bound holds between them, and is close with so many.
 _MOMENTS, _OWN_MOMENTS = 64, 256
 # The robot's own shape is known to the millimetre, what is around it to centimetres: the gap to itself counts
 # so many times.
 _OWN_TIMES = 3.0
 # A run begins where the brush at home is nearly at the wall. Where a way begins with the brush nearer than
-# this, it counts as if it were so far away there, and may come no nearer after; by so much at most, which
-# is what echoes are noisy by and its spheres stand out [m].
+# this, it counts as if it were so far away there, and may come no nearer on the way; by so much at most,
+# which is what echoes are noisy by and its spheres stand out [m].
 _BRUSH_ROOM, _BRUSH_SLACK = 0.01, 0.04
 # What does not count is so much smaller than it is [m].
 _NOT_THERE = 1e3
-# What the lidar sees before the wall may be this much higher than its beams [m].
-_CLUTTER = 0.25
 BLOCK = 32
 """Rows of a block: one compilation for all counts."""
 
@@ -112,12 +113,12 @@ def ways_around(
 
 
 def surroundings(around: Around, points: Float[Array, "m 3"]) -> Obstacles:
-    """Scanned points, and what the lidar saw: walls are upright, so an echo behind the canvas stands for all
-    heights, clutter before it for its own and below.
+    """Scanned points, and what the lidar saw: walls are upright, so their echoes stand for all heights,
+    clutter for its own and below. Which is which is the planner of views' rule too.
     """
-    flat = jnp.concatenate([around.echoes, jnp.zeros_like(around.echoes[:, :1])], axis=1)
-    depth = around.canvas.to_canvas(flat)[1]
-    high = jnp.where(depth > 0, 1e3, around.robot.T_base_lidar.p[2] + _CLUTTER)
+    canvas = around.canvas
+    low = is_clutter(around.echoes, canvas.center[:2], canvas.ray[:2], canvas.size[0])
+    high = jnp.where(low, around.robot.T_base_lidar.p[2] + CLUTTER, _AT_ALL_HEIGHTS)
     return Obstacles.points(points) + Obstacles.sticks(around.echoes, high)
 
 
