@@ -11,17 +11,12 @@ from jaxpaint.trajectories.clearance import sphere_centers_looped
 _JOINED = 2
 """Parts of links so many joints apart, as in a wrist, may be near each other always."""
 
-_ROOM, _FAT = 0.01, 0.03
-"""A pair that is nearer than the first where a way begins or ends counts there as if it were so far apart, by
-the second at most, which is what spheres stand out beyond the flat ends of what they cover [m]."""
-
 
 def own_gap(
     chain: KinematicChain,
     spheres: Spheres,
     home: Float[Array, " joints"],
     q: Float[Array, "times joints"],
-    ends: Float[Array, "ends joints"],
     *,
     base_size: int = 3,
 ) -> Float[Array, ""]:
@@ -29,9 +24,8 @@ def own_gap(
     looked at; negative where they overlap.
 
     Pairs on links that are joined do not count, nor do those whose spheres overlap at `home`: there the robot
-    is known to be whole. Spheres are fatter than the robot: a pair that is near at one of the `ends` may be
-    so near, within limits, all the way. Where two spheres move by d and e between two moments their gap is no
-    less than the mean of its two values less (d + e) / 2.
+    is known to be whole. Where two spheres move by d and e between two moments their gap is no less than the
+    mean of its two values less (d + e) / 2.
     """
     apart = jnp.abs(spheres.frame[:, None] - spheres.frame[None]) > _JOINED
     touching = spheres.radius[:, None] + spheres.radius[None]
@@ -46,11 +40,9 @@ def own_gap(
         return jnp.sqrt((away * away).sum(-1)) - touching
 
     counts = apart & (apart_by(placed(home)) > 0)
-    nearest = jax.lax.map(lambda row: apart_by(placed(row)), ends).min(0)
-    slack = jnp.clip(_ROOM - nearest, 0, _FAT)
 
     def gaps(centers):
-        return jnp.where(counts, apart_by(centers) + slack, jnp.inf)
+        return jnp.where(counts, apart_by(centers), jnp.inf)
 
     first = placed(q[0])
 
@@ -69,7 +61,7 @@ def own_gap(
 def own_gap_at(
     chain: KinematicChain, spheres: Spheres, home: Float[Array, " joints"], q: Float[Array, " joints"]
 ) -> Float[Array, ""]:
-    """The least gap between parts of the robot at one posture [m]: pairs as in `own_gap`, nothing allowed."""
+    """The least gap between parts of the robot at one posture [m]: pairs as in `own_gap`."""
     apart = jnp.abs(spheres.frame[:, None] - spheres.frame[None]) > _JOINED
     touching = spheres.radius[:, None] + spheres.radius[None]
 

@@ -207,7 +207,7 @@ def _known_gap(around: Around, ends, base: SCurve, arm: SCurve, points, brush):
         return jax.vmap(lambda time: on_segment(segment, 0, time).p)(times)
 
     def own(q):
-        gap = own_gap(robot.chain, _whole(robot), robot.at_home(q[0, :3]), q, ends, base_size=robot.base_size)
+        gap = own_gap(robot.chain, _whole(robot), robot.at_home(q[0, :3]), q, base_size=robot.base_size)
         return jnp.where(gap > 0, _OWN_TIMES, 1) * gap
 
     def brush_at(row):
