@@ -2,6 +2,7 @@
 
 import dataclasses
 
+import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float
 from scipy.spatial import KDTree
@@ -13,6 +14,10 @@ CLUTTER = 0.25
 _BEFORE = 0.05
 # And up to this far beside it [m]: half a base's width, as what stands there is in the way of one who paints.
 _BESIDE = 0.3
+# Points this far behind an echo are of something else [m]: a slanted wall's, as far aside as counts, are not.
+_FURTHER_BACK = 0.12
+# Points this far aside of an echo lie in its direction [m]: as far apart as scanned points are.
+_SAME_WAY = 0.05
 # Steps of a drive at which its way is looked at [m], shorter than what hides between them; a turn counts with
 # the length of the footprint.
 _STEP = 0.05
@@ -75,6 +80,20 @@ def is_clutter(
     offset = echoes - center
     depth, across = offset @ ray, offset[:, 0] * ray[1] - offset[:, 1] * ray[0]
     return (depth < -_BEFORE) & (abs(across) < width / 2 + _BESIDE)
+
+
+def seen_over(
+    echoes: Float[Array, "beams 2"], points: Float[Array, "m 3"], ray: Float[Array, "2"]
+) -> Float[Array, " beams"]:
+    """Lowest height [m] at which the camera saw something behind each echo; infinite where it saw nothing.
+
+    What the lidar met has ended below that, or is among the points itself. points: scanned, NaN for none.
+    ray: level unit direction in which the wall is looked at. All in the map frame, of JAX.
+    """
+    aside = jnp.array([ray[1], -ray[0]])
+    beside = jnp.abs((points[:, :2] @ aside)[None] - (echoes @ aside)[:, None]) < _SAME_WAY
+    behind = (points[:, :2] @ ray)[None] - (echoes @ ray)[:, None] > _FURTHER_BACK
+    return jnp.where(beside & behind, points[None, :, 2], jnp.inf).min(axis=1)
 
 
 def stands_clear(

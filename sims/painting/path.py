@@ -6,6 +6,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
+from jaxpaint.clouds.sparse import sparse
 from jaxpaint.compiling import one_by_one
 from jaxpaint.mapping.mapped import count_by_cause
 from jaxpaint.mapping.moves import MoveSettings
@@ -25,9 +26,8 @@ _WITHIN = 0.8
 _NARROWEST = 0.1
 # Least distance of the base's footprint from anything seen [m]: many times what odometry drifts in a run.
 _CLEARANCE = 0.12
-# One point in so many of the cloud stands for the surface where distances to it are asked: 500 are left of
-# 40,000, some centimetres apart.
-_SPARSE = 80
+# So many points of the cloud, this far apart or further [m], stand for the surface where distances are asked.
+_SPARSE, _APART = 512, 0.05
 # Strokes are cut where the surface has no point: there is room for so many runs of each, and for some more.
 _RUNS_EACH, _MORE_RUNS = 2, 96
 
@@ -48,7 +48,7 @@ class Painting(NamedTuple):
 def map_picture(job: Job, cloud: Float[Array, "n 3"], valid: Bool[Array, " n"]):
     """The picture's strokes on one world's cloud, as a timed path."""
     mapped = cast(job.picture, job.canvas, cloud, valid, job.mapping)
-    obstacles = jnp.where(valid[::_SPARSE, None], cloud[::_SPARSE], jnp.nan)
+    obstacles = sparse(cloud, valid, count=_SPARSE, size=_APART)
     settings = PathSettings(speed=job.speed, move=MoveSettings(change_time=job.tool_change))
     path = plan_path(
         mapped,

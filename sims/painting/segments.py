@@ -15,7 +15,7 @@ from jaxtyping import Array, Bool, Float
 from jaxpaint.compiling import Batched, batched, one_by_one
 from jaxpaint.kinematics import Spheres
 from jaxpaint.mapping.canvas import Canvas
-from jaxpaint.planning.surroundings import CLUTTER, is_clutter
+from jaxpaint.planning.surroundings import CLUTTER, is_clutter, seen_over
 from jaxpaint.trajectories import (
     Limits,
     Obstacles,
@@ -114,11 +114,14 @@ def ways_around(
 
 def surroundings(around: Around, points: Float[Array, "m 3"]) -> Obstacles:
     """Scanned points, and what the lidar saw: walls are upright, so their echoes stand for all heights,
-    clutter for its own and below. Which is which is the planner of views' rule too.
+    clutter for its own and below. Which is which is the planner of views' rule too; over what the camera saw
+    something further back, nothing stands either.
     """
     canvas = around.canvas
     low = is_clutter(around.echoes, canvas.center[:2], canvas.ray[:2], canvas.size[0])
-    high = jnp.where(low, around.robot.T_base_lidar.p[2] + CLUTTER, _AT_ALL_HEIGHTS)
+    lidar = around.robot.T_base_lidar.p[2]
+    over = seen_over(around.echoes, points, canvas.ray[:2])
+    high = jnp.minimum(jnp.where(low, lidar + CLUTTER, _AT_ALL_HEIGHTS), jnp.maximum(over, lidar))
     return Obstacles.points(points) + Obstacles.sticks(around.echoes, high)
 
 

@@ -1,10 +1,11 @@
 """What the lidar saw keeps the base and the arm away."""
 
+import jax.numpy as jnp
 import numpy as np
 import pytest
 
 from jaxpaint.planning import surroundings
-from jaxpaint.planning.surroundings import CLUTTER, backed, drives_clear, stands_clear
+from jaxpaint.planning.surroundings import CLUTTER, backed, drives_clear, seen_over, stands_clear
 
 FOOTPRINT = np.array([[0.4, 0.3], [-0.4, 0.3], [-0.4, -0.3], [0.4, -0.3]])
 WALL = np.stack([np.zeros(201), np.linspace(-2, 2, 201)], axis=1)
@@ -24,6 +25,23 @@ def test_clutter_counts_up_to_its_height_and_walls_at_all_heights():
     found = surroundings(np.array([[0.0, 0.0], [-0.5, 0.0]]), CENTER, 0.0, 2.0, 0.4)
     gap = found.gap(np.array([[-0.5, 0.1, 0.3], [-0.5, 0.1, 0.4 + CLUTTER + 0.01]]))
     np.testing.assert_allclose(gap, [0.1, np.hypot(0.5, 0.1)])
+
+
+def test_what_was_seen_behind_an_echo_tells_where_it_ends():
+    """A crate before a wall that the camera saw from 0.7 m up; beside it nothing is behind."""
+    y, z = (x.ravel() for x in np.meshgrid(np.linspace(-1, 1, 41), np.linspace(0.7, 1.4, 15)))
+    scanned = jnp.asarray(np.stack([0 * y, y, z], axis=1)).at[0].set(jnp.nan)
+    echoes = jnp.asarray([[-0.23, 0.0], [0.01, 0.5], [np.nan, 0.0]])
+    over = seen_over(echoes, scanned, jnp.array([1.0, 0.0]))
+    np.testing.assert_allclose(over, [0.7, np.inf, np.inf])
+
+
+def test_a_slanted_wall_does_not_end_where_it_was_seen():
+    along, z = (x.ravel() for x in np.meshgrid(np.linspace(-1, 1, 81), np.linspace(0.7, 1.4, 15)))
+    slanted = np.array([np.sin(np.pi / 3), np.cos(np.pi / 3)])
+    scanned = np.concatenate([along[:, None] * slanted, z[:, None]], axis=1)
+    over = seen_over(jnp.asarray(along[:81, None] * slanted), jnp.asarray(scanned), jnp.array([1.0, 0.0]))
+    assert np.isinf(over).all()
 
 
 def test_nothing_seen_is_nothing_near():

@@ -130,6 +130,16 @@ def test_what_is_low_for_the_view_planner_is_low_for_the_arm(job, kind, enclosed
     assert (beside & (told.walls[:, 0] < float(canvas.center[0]) - 0.5)).any() == enclosed
 
 
+def test_over_what_the_camera_saw_beyond_nothing_stands(job):
+    """A wall's echo stands at all heights until the camera has seen a wall behind it."""
+    canvas = canvas_for(make_wall("flat"))
+    x, y = np.asarray(canvas.center[:2])
+    around = Around(job.robot, canvas, jnp.array([[x, y], [x + 0.2, y + 0.5]]))
+    seen = jnp.array([[x + 0.2, y + 0.01, 0.8], [x + 0.2, y + 0.5, 0.75]])
+    high = np.asarray(surroundings(around, seen).high)
+    np.testing.assert_allclose(high[-2:], [0.8, 1e3])
+
+
 def test_blocks_give_back_as_many_rows_as_came():
     taken = []
 
