@@ -8,7 +8,10 @@ from jaxpaint.mapping.planes import norm, unit
 from jaxpaint.mapping.time_law import time_for, travelled
 
 _FLATTEST = 0.1
-"""Least share of the bump's top that is asked to clear an obstacle: the bump is zero at its ends."""
+"""Least share of the bump's top that is asked to clear an obstacle, on ways that are metres long."""
+
+_STEEPEST = 4.0, 8.0
+"""Slope of parabola and quartic at their ends, for a top of one, on a way of one."""
 
 _SHARE = 0.5**0.5
 """Of the acceleration, for each of two motions at right angles."""
@@ -45,8 +48,8 @@ class Move(eqx.Module):
     """A move between two points of the surface, in the map frame.
 
     start, end: points on the surface [m]. leave, arrive: unit normals there. lift: height of the straight
-    line over them [m]. bump: lift of the way's middle over that line [m]. length: the way's length for its
-    time law [m]. rises, lowers: whether it starts and ends on the surface; where not, it starts or ends
+    line over them [m]. bump: lift of the way's middle over that line [m]. broad: whether the bump has
+    shoulders. length: the way's length for its time law [m]. rises, lowers: whether it starts and ends on the surface; where not, it starts or ends
     lifted. changes: whether the tool is changed, at the top before the way over the surface.
     """
 
@@ -56,6 +59,7 @@ class Move(eqx.Module):
     arrive: Float[Array, "3"]
     lift: Float[Array, ""]
     bump: Float[Array, "3"]
+    broad: Bool[Array, ""]
     length: Float[Array, ""]
     rises: Bool[Array, ""]
     lowers: Bool[Array, ""]
@@ -74,9 +78,11 @@ def plan_move(
 ) -> Move:
     """The move over the straight line between two lifted points, with a bump where the surface needs it.
 
-    The bump is a parabola along the mean normal. It follows the arc that turns from one normal to the other,
-    as over a cylinder, and clears by the margin every point that counts in the corridor below the way.
-    on_surface: whether it starts and ends there.
+    The bump goes along the mean normal. It follows the arc that turns from one normal to the other, as over a
+    cylinder, and clears by the margin every point that counts in the corridor below the way. It is a
+    parabola; over what is near an end that must be several times as high, and where the broad shoulders of
+    a quartic need less by more than the clearance it is one, or an arm would have to fold up. on_surface:
+    whether it starts and ends there.
     """
     start, end = ends
     leave, arrive = normals
@@ -89,11 +95,15 @@ def plan_move(
     half = norm(arrive - leave) / jnp.maximum(norm(arrive + leave), 1e-2)
     arc = jnp.where(bulges, straight * half / (1 + jnp.sqrt(1 + half * half)) / 2, 0)
     margin = jnp.minimum(settings.margin, 0.6 * lift)  # a low hop clears what it hops over, not more
-    height = jnp.maximum(arc, _needed(from_, to, up, obstacles, counts, margin, settings))
+    needed = _needed(from_, to, up, obstacles, counts, margin, settings)
+    heights = jnp.maximum(arc, needed)
+    broad = heights[0] > heights[1] + settings.clearance
+    bump = jnp.where(broad, heights[1], heights[0]) * up
+    steep = jnp.where(broad, _STEEPEST[1], _STEEPEST[0]) * bump
     turning = 2 * half * settings.speed / settings.turn_rate
-    steepest = jnp.maximum(norm(to - from_ + 4 * height * up), norm(to - from_ - 4 * height * up))
+    steepest = jnp.maximum(norm(to - from_ + steep), norm(to - from_ - steep))
     length = jnp.maximum(jnp.maximum(steepest, turning), lift)
-    return Move(start, end, leave, arrive, lift, height * up, length, rises, lowers, changes)
+    return Move(start, end, leave, arrive, lift, bump, broad, length, rises, lowers, changes)
 
 
 def _lift(distance, both, changes, settings: MoveSettings) -> Float[Array, ""]:
@@ -103,8 +113,12 @@ def _lift(distance, both, changes, settings: MoveSettings) -> Float[Array, ""]:
     return jnp.where(changes, settings.change_height, usual)
 
 
-def _needed(from_, to, up, obstacles, counts, margin, settings: MoveSettings) -> Float[Array, ""]:
-    """Height of the bump that clears all points in the corridor [m]."""
+def _needed(from_, to, up, obstacles, counts, margin, settings: MoveSettings) -> Float[Array, "2"]:
+    """Height of either bump that clears all points in the corridor [m].
+
+    A point nearer to an end than the margin counts as if it were so far from it: there the brush comes down
+    along the normal, however high the bump is.
+    """
     along = (to - from_) - jnp.sum((to - from_) * up) * up
     span = jnp.sum(along * along)
     share = jnp.sum((obstacles - from_) * along, axis=-1) / jnp.maximum(span, 1e-6)
@@ -112,8 +126,11 @@ def _needed(from_, to, up, obstacles, counts, margin, settings: MoveSettings) ->
     above = jnp.sum(offset * up, axis=-1)
     aside = jnp.sum(offset * offset, axis=-1) - above * above
     below = counts & (share > 0) & (share < 1) & (aside < jnp.square(settings.corridor)) & (span > 1e-6)
-    height = (above + margin) / jnp.maximum(_bump(share), _FLATTEST)
-    return jnp.max(jnp.where(below, height, 0), initial=0)
+    near = jnp.minimum(margin / jnp.sqrt(jnp.maximum(span, 1e-6)), 0.5)
+    share = jnp.clip(share, near, 1 - near)
+    shares = jnp.stack([_bump(share, jnp.asarray(broad)) for broad in (False, True)])
+    height = (above + margin) / jnp.maximum(shares, _FLATTEST)
+    return jnp.max(jnp.where(below, height, 0), axis=1, initial=0)
 
 
 def move_time(move: Move, settings: MoveSettings) -> Float[Array, ""]:
@@ -145,7 +162,9 @@ def move_pose(
     done = jnp.where(both, travelled(time - begin, move.length, settings.speed, gentle), 0) / move.length
     normal = (1 - done) * move.leave + done * move.arrive
     line = (1 - done) * move.start + done * move.end
-    return line + (up - down) * normal + _bump(done) * move.bump, unit(normal, otherwise=move.leave)
+    return line + (up - down) * normal + _bump(done, move.broad) * move.bump, unit(
+        normal, otherwise=move.leave
+    )
 
 
 def _times(move: Move, settings: MoveSettings) -> tuple[Float[Array, ""], Float[Array, ""], Float[Array, ""]]:
@@ -160,5 +179,6 @@ def _times(move: Move, settings: MoveSettings) -> tuple[Float[Array, ""], Float[
     return lift, begin, time_for(move.length, settings.speed, gentle)
 
 
-def _bump(share: Float[Array, "*n"]) -> Float[Array, "*n"]:
-    return 4 * share * (1 - share)
+def _bump(share: Float[Array, "*n"], broad: Bool[Array, ""]) -> Float[Array, "*n"]:
+    side = jnp.square(2 * share - 1)
+    return 1 - jnp.where(broad, side * side, side)
