@@ -21,9 +21,10 @@ from sims.robots.read import BRUSH, REFERENCE, robot_spec
 if TYPE_CHECKING:
     from sims.painting.joint_plan import JointTrajectory
 
-# Simulation step [s], and how stiff the servos are: natural frequency [rad/s], critically damped.
+# Simulation step [s], and how stiff the servos are: natural frequency [rad/s], critically damped. They carry
+# the links' weight: softer ones sag by millimetres, as they have no integral part.
 STEP = 0.002
-STIFFNESS = 60.0
+STIFFNESS = 200.0
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -44,9 +45,9 @@ class Replay:
 def replay(plan: "JointTrajectory", robot: Path | None = None, brush_site: str = BRUSH) -> Replay:
     """Simulates the robot of an MJCF or URDF with a position servo on every planned joint, gravity on.
 
-    The servos are told position and velocity, as a joint trajectory controller tells them, and are bound to
-    the forces of the actuators that they replace. Raises InputError for a robot without the plan's
-    joints or without the brush.
+    Nothing but the servos holds the weight, whatever the model's `gravcomp` says. They are told position and
+    velocity, as a joint trajectory controller tells them, and are bound to the forces of the actuators that
+    they replace. Raises InputError for a robot without the plan's joints or without the brush.
     """
     model = servo_model(plan.names, robot, brush_site)
     data, ghost = mujoco.MjData(model), mujoco.MjData(model)
@@ -73,7 +74,9 @@ def replay(plan: "JointTrajectory", robot: Path | None = None, brush_site: str =
 
 
 def servo_model(names: Sequence[str], robot: Path | None = None, brush_site: str = BRUSH) -> mujoco.MjModel:
-    """The robot's model with its own actuators replaced by a position servo on each of the joints `names`."""
+    """The robot's model with its own actuators replaced by a position servo on each of the joints `names`, and
+    with nothing else that holds its weight.
+    """
     spec = robot_spec(robot, brush_site=brush_site)
     own = spec.compile()
     shown = robot or REFERENCE.name
@@ -85,6 +88,8 @@ def servo_model(names: Sequence[str], robot: Path | None = None, brush_site: str
     inertia, forces = _inertia(own), _force_ranges(own)
     for actuator in list(spec.actuators):
         spec.delete(actuator)
+    for body in spec.bodies:
+        body.gravcomp = 0
     for name in names:
         mass = inertia[own.joint(name).dofadr[0]]
         servo = spec.add_actuator(name=name, target=name, trntype=mujoco.mjtTrn.mjTRN_JOINT)

@@ -32,6 +32,20 @@ def test_gravity_is_on_and_servos_are_what_holds_the_arm(waving):
     assert model.actuator_forcerange[model.actuator("elbow").id].tolist() == [-150, 150]
 
 
+def test_the_servos_carry_the_weight(waving):
+    """At rest with the arm stretched out, their torques are what gravity asks for."""
+    model = servo_model(waving.names)
+    data = mujoco.MjData(model)
+    place = [model.joint(name).qposadr[0] for name in waving.names]
+    data.qpos[place] = data.ctrl[:] = [0, 0, 0, 0, -0.5, 1.0, 0, 0, 0]
+    for _ in range(1000):
+        mujoco.mj_step(model, data)
+    shoulder = model.joint("shoulder_lift").dofadr[0]
+    assert abs(data.qfrc_bias[shoulder]) > 20
+    assert data.qfrc_actuator[shoulder] == pytest.approx(data.qfrc_bias[shoulder], rel=0.02)
+    assert not data.qfrc_gravcomp.any()
+
+
 def test_what_no_servo_can_follow_is_seen(waving):
     fast = dataclasses.replace(
         waving, time=waving.time / 6, velocity=waving.velocity * 6, acceleration=waving.acceleration * 36
