@@ -74,8 +74,8 @@ def replay(plan: "JointTrajectory", robot: Path | None = None, brush_site: str =
 
 
 def servo_model(names: Sequence[str], robot: Path | None = None, brush_site: str = BRUSH) -> mujoco.MjModel:
-    """The robot's model with its own actuators replaced by a position servo on each of the joints `names`, and
-    with nothing else that holds its weight.
+    """The robot's model with a position servo on each of the joints `names` in place of its own actuators,
+    and with nothing else that holds its weight.
     """
     spec = robot_spec(robot, brush_site=brush_site)
     own = spec.compile()

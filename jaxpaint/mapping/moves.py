@@ -50,7 +50,8 @@ class Move(eqx.Module):
     start, end: points on the surface [m]. leave, arrive: unit normals there. lift: height of the straight
     line over them [m]. bump: lift of the way's middle over that line [m]. broad: whether the bump has
     shoulders. length: the way's length for its time law [m]. rises, lowers: whether it starts and ends on the
-    surface; where not, it starts or ends lifted. changes: whether the tool is changed, at the top before the way over the surface.
+    surface; where not, it starts or ends lifted. changes: whether the tool is changed, at the top before the
+    way over the surface.
     """
 
     start: Float[Array, "3"]
