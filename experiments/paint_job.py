@@ -90,6 +90,7 @@ def paint_task(options: PaintOptions) -> PaintTask:
         camera_place=jnp.asarray(views.camera, float),
         camera_rotation=jnp.asarray(views.rotation, float),
         camera_base=jnp.asarray(views.base, float),
+        camera_joints=jnp.asarray(views.joints, float),
         echoes=jnp.asarray(echoes, float),
         speed=jnp.asarray(options.speed),
         dt=jnp.asarray(CONTROL_PERIOD),

@@ -1,4 +1,4 @@
-"""Which camera poses an arm reaches from which base poses, with its body clear of everything."""
+"""Which camera poses an arm reaches from which base poses, clear of everything and of the robot itself."""
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -10,7 +10,9 @@ from jaxpaint.kinematics.chain import KinematicChain, arm_chain
 from jaxpaint.kinematics.ik import solve, spread_starts
 from jaxpaint.kinematics.pose import Pose
 from jaxpaint.kinematics.spheres import Spheres, sphere_centers
+from jaxpaint.planning.postures import solve_apart
 from jaxpaint.planning.surroundings import Surroundings
+from jaxpaint.trajectories.own_clearance import own_gap_at
 
 # Pairs solved at once: one size, compiled once.
 _BLOCK = 512
@@ -26,7 +28,8 @@ class CameraArm(eqx.Module):
     """A robot as far as its camera is concerned.
 
     chain: from the map to the camera, base joints (x, y, yaw) first. home, lower, upper: of the arm's joints
-    [rad]. brush: place of the brush at home in the base frame (x, y) [m]. spheres: the body. footprint: the
+    [rad]. brush: place of the brush at home in the base frame (x, y) [m]. spheres: the body and the
+    brush. footprint: the
     base's corners in its frame [m]. lidar: height of its beams [m].
     """
 
@@ -101,12 +104,17 @@ def reach(
 def _one(arm: CameraArm, place, rotation, base):
     starts = spread_starts(arm.home, arm.lower, arm.upper, count=_STARTS)
     target = Pose(place, rotation)
-    found = solve(arm_chain(arm.chain, base), starts, target, arm.lower, arm.upper)
+
+    def own(q):
+        rows = [jnp.concatenate([base, joints]) for joints in (arm.home, q)]
+        return own_gap_at(arm.chain, arm.spheres, *rows)
+
+    found, apart = solve_apart(arm_chain(arm.chain, base), starts, target, arm.lower, arm.upper, own)
     away = base[:2] - place[:2]
     off = base.at[:2].add(_OFF * away / jnp.sqrt((away * away).sum() + 1e-6))
     further = solve(arm_chain(arm.chain, off), found.q[None], target, arm.lower, arm.upper)
     body = sphere_centers(arm.chain, arm.spheres, jnp.concatenate([base, found.q]))
-    return found.q, found.converged & further.converged, body
+    return found.q, found.converged & further.converged & apart, body
 
 
 _REACH = batched(_one, in_axes=(None, 0, 0, 0))

@@ -24,11 +24,11 @@ class Job(eqx.Module):
     """What all worlds share; every leaf is traced.
 
     picture: canvas points of the strokes in order [m], stroke: which stroke each belongs to. camera_place,
-    camera_rotation, camera_base: the viewpoints, see `jaxpaint.planning.Viewpoints`. echoes: what the lidar
-    saw of the wall before the scan (x, y) [m], NaN for nothing. seed: key data of the job's random numbers.
-    speed: of the brush [m/s]. fidelity: how truly worlds move. colour: of each stroke; None: all are one.
-    colours: how many the picture has, with and without strokes. tool_change: time that a change of colour
-    takes [s].
+    camera_rotation, camera_base, camera_joints: the viewpoints, see `jaxpaint.planning.Viewpoints`. echoes:
+    what the lidar saw of the wall before the scan (x, y) [m], NaN for nothing. seed: key data of the job's
+    random numbers. speed: of the brush [m/s]. fidelity: how truly worlds move. colour: of each stroke; None:
+    all are one. colours: how many the picture has, with and without strokes. tool_change: time that a change
+    of colour takes [s].
     """
 
     robot: Robot
@@ -46,6 +46,7 @@ class Job(eqx.Module):
     camera_place: Float[Array, "views 3"]
     camera_rotation: Float[Array, "views 3 3"]
     camera_base: Float[Array, "views 3"]
+    camera_joints: Float[Array, "views arm"]
     echoes: Float[Array, "beams 2"]
     speed: Float[Array, ""]
     dt: Float[Array, ""]

@@ -1,17 +1,13 @@
-"""Postures for a pose of the tool in which the robot does not touch itself."""
+"""Postures for a pose of the tool in which a robot does not touch itself."""
 
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from jaxpaint.kinematics import IKSolution, KinematicChain, Pose, Spheres, solve
+from jaxpaint.kinematics import IKSolution, KinematicChain, Pose
+from jaxpaint.planning import postures
 from jaxpaint.trajectories import own_gap_at
 from sims.robots import Robot
-
-# Spheres are fatter than the robot: one whose gap is as large as this is clear, and can be left again [m].
-_OWN_ROOM = 0.02
-# What is worse than any way of the joints [rad]: a robot that is near itself, and a pose that is not reached.
-_NEAR, _FAR = 1e3, 1e6
 
 
 def solve_apart(
@@ -21,23 +17,13 @@ def solve_apart(
     starts: Float[Array, "starts arm"],
     target: Pose,
 ) -> IKSolution:
-    """As `jaxpaint.kinematics.solve`, and of the solutions in which the robot is clear of itself, if any, the
-    nearest to the first start.
+    """`jaxpaint.planning.postures.solve_apart` for a robot, its brush included.
 
     chain: the arm from the map to the tool, with the base at (x, y, yaw) [m, rad].
     """
-
-    def one(start):
-        return solve(chain, start[None], target, robot.lower, robot.upper)
-
-    tries = jax.vmap(one)(starts)
     whole = jax.tree.map(lambda a, b: jnp.concatenate([a, b]), robot.spheres, robot.brush)
-    gap = jax.vmap(lambda q: _gap(robot, whole, base, q))(tries.q)
-    error = tries.position_error + tries.orientation_error
-    cost = jnp.abs(tries.q - starts[0]).max(-1) + jnp.where(gap < _OWN_ROOM, _NEAR, 0)
-    best = jnp.argmin(jnp.where(tries.converged, cost, _FAR * (1 + jnp.where(jnp.isfinite(error), error, 1))))
-    return jax.tree.map(lambda x: x[best], tries)
 
+    def own(q):
+        return own_gap_at(robot.chain, whole, robot.at_home(base), jnp.concatenate([base, q]))
 
-def _gap(robot: Robot, whole: Spheres, base: Float[Array, "3"], q: Float[Array, " arm"]) -> Float[Array, ""]:
-    return own_gap_at(robot.chain, whole, robot.at_home(base), jnp.concatenate([base, q]))
+    return postures.solve_apart(chain, starts, target, robot.lower, robot.upper, own)[0]

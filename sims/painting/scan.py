@@ -21,7 +21,8 @@ from sims.worlds import World, standing
 
 # Points of a world's merged cloud: a static budget.
 MAX_POINTS = 40_000
-# Starts of the inverse kinematics: home and postures about it, as one start alone can end in a local minimum.
+# Starts of the inverse kinematics beside the last posture and the planned one: home and postures about it, as
+# one start alone can end in a local minimum.
 _STARTS = 6
 
 
@@ -59,14 +60,14 @@ def plan_scan(job: Job, world: World) -> tuple[Float[Array, "w joints"], Bool[Ar
     spread = spread_starts(job.robot.home, job.robot.lower, job.robot.upper, count=_STARTS)
 
     def visit(q_before, view):
-        place, rotation, stop = view
+        place, rotation, stop, planned = view
         base = jnp.where((stop == job.camera_base[0]).all(), world.odometry, stop)
         chain = arm_chain(job.robot.camera_chain, base)
-        starts = jnp.concatenate([q_before[None], spread])
+        starts = jnp.concatenate([q_before[None], planned[None], spread])
         found = solve_apart(job.robot, chain, base, starts, Pose(place, rotation))
         return found.q, (jnp.concatenate([base, found.q]), found.converged)
 
-    views = job.camera_place, job.camera_rotation, job.camera_base
+    views = job.camera_place, job.camera_rotation, job.camera_base, job.camera_joints
     _, (stops, converged) = jax.lax.scan(visit, world.arm, views)
     here = jnp.concatenate([world.odometry, world.arm])
     return jnp.concatenate([here[None], stops]), converged.all()

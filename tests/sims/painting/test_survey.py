@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from jaxpaint.kinematics import Pose, forward
+from jaxpaint.planning.postures import OWN_ROOM
 from jaxpaint.planning.surroundings import stands_clear
+from jaxpaint.trajectories import own_gap_at
 from sims.painting.survey import survey
 from sims.painting.views_seen import seen_points, share_seen
 from sims.robots import load_robot
@@ -52,6 +54,7 @@ def test_few_views_see_the_whole_area(robot, camera, kind, size):
     reached = poses(robot, views)
     np.testing.assert_allclose(reached.p, views.camera, atol=1e-3)
     np.testing.assert_allclose(reached.R, views.rotation, atol=5e-3)
+    assert own_gaps(robot, views).min() >= OWN_ROOM - 1e-3
     points, seen = seen_points(scene, canvas, camera, reached)
     assert len(points) > 500
     assert seen.mean() >= 0.99
@@ -60,6 +63,18 @@ def test_few_views_see_the_whole_area(robot, camera, kind, size):
     without = [seen_by_others(scene, canvas, camera, reached, k) for k in range(len(views))]
     assert without[0] < 0.9
     assert max(without) < 0.95
+
+
+def own_gaps(robot, views):
+    """Of the robot to itself, its brush included, as it looks [m]."""
+    whole = jax.tree.map(lambda a, b: jnp.concatenate([a, b]), robot.spheres, robot.brush)
+
+    def gap(base, q):
+        return own_gap_at(robot.chain, whole, robot.at_home(base), jnp.concatenate([base, q]))
+
+    return np.asarray(
+        jax.jit(jax.vmap(gap))(jnp.asarray(views.base, float), jnp.asarray(views.joints, float))
+    )
 
 
 def seen_by_others(scene, canvas, camera, poses, left_out):
