@@ -52,8 +52,9 @@ def middle_lines(middles: Middles, radius: float, inset: float) -> list[Polyline
     )
     # Thinning takes time with the width of what is thinned.
     shell = ink & ~(half_width(solid) > _SHELL)
-    away = cv2.distanceTransform((~core).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
-    fields = _Fields(half_width(ink), away, bare.astype(float))
+    away = _distance_to(core)
+    unpainted = ink & (away > radius / cell + 1)
+    fields = _Fields(half_width(ink), away, bare.astype(float), _distance_to(unpainted))
     lines = [
         part * cell + origin
         for line in centre_lines(shell, line_art=False)
@@ -78,21 +79,29 @@ def raster(
     return picture.astype(bool)
 
 
+def _distance_to(pixels: Bool[np.ndarray, "rows columns"]) -> Float[np.ndarray, "rows columns"]:
+    return cv2.distanceTransform((~pixels).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+
+
 @dataclass(frozen=True, eq=False)
 class _Fields:
-    """Over the pixels: distance to the rim of the ink, to the core, and whether the core is bare there."""
+    """Over the pixels: distance to the rim of the ink, to the core, whether the core is bare there, and the
+    distance to ink that passes along the core's rims do not reach.
+    """
 
     width: Float[np.ndarray, "rows columns"]
     away: Float[np.ndarray, "rows columns"]
     bare: Float[np.ndarray, "rows columns"]
+    unpainted: Float[np.ndarray, "rows columns"]
 
 
 def _needed(line: CentreLine, fields: _Fields, radius: float, inset: float) -> Iterator[Polyline]:
     """The parts of a centre-line that must be painted. All lengths in pixels."""
     points = line.points
     w, c = sampled(fields.width, points), sampled(fields.away, points)
-    # Inside the core it is known what is bare.
-    missing = np.where(c > 0.5, c + w - radius, 0.0)
+    # Inside the core it is known what is bare. At a waist between two cores the rim of the ink lies aside,
+    # not away from them, and both may reach it.
+    missing = np.where((c > 0.5) & (sampled(fields.unpainted, points) < w + 1), c + w - radius, 0.0)
     need = (missing > 0.5) | (sampled(fields.bare, points) > 0.5)
     for first, last in _runs(need, points, _GAP * radius):
         if missing[first : last + 1].max() <= 0.5 and polyline_length(points[first : last + 1]) < radius:

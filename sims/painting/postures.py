@@ -1,6 +1,5 @@
 """Postures for a pose of the tool in which a robot does not touch itself."""
 
-import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
@@ -21,7 +20,7 @@ def solve_apart(
 
     chain: the arm from the map to the tool, with the base at (x, y, yaw) [m, rad].
     """
-    whole = jax.tree.map(lambda a, b: jnp.concatenate([a, b]), robot.spheres, robot.brush)
+    whole = robot.body_and_brush
 
     def own(q):
         return own_gap_at(robot.chain, whole, robot.at_home(base), jnp.concatenate([base, q]))

@@ -133,7 +133,7 @@ def body_gap(
     The base counts as its rectangle, from the floor up to the lidar; all else as spheres, and what the base
     carries must also stay above the floor. slack: what the brush may be nearer [m].
     """
-    whole = _whole(robot)
+    whole = robot.body_and_brush
     is_brush = np.arange(whole.radius.shape[0]) >= robot.spheres.radius.shape[0]
     body = _thinner(whole, jnp.where(is_brush, slack, 0))
     gap = gap_on_the_way(robot.chain, body, q, there.distance)
@@ -141,11 +141,6 @@ def body_gap(
     floor = gap_on_the_way(robot.chain, carried, q, lambda p: p[2])
     base = footprint_gap(robot.footprint, q[:, : robot.base_size], there, robot.T_base_lidar.p[2])
     return jnp.minimum(jnp.minimum(gap, floor), base)
-
-
-def _whole(robot: Robot) -> Spheres:
-    """Body and brush, in this order."""
-    return jax.tree.map(lambda a, b: jnp.concatenate([a, b]), robot.spheres, robot.brush)
 
 
 def _thinner(spheres: Spheres, by: Float[Array, " spheres"]) -> Spheres:
@@ -210,7 +205,8 @@ def _known_gap(around: Around, ends, base: SCurve, arm: SCurve, points, brush):
         return jax.vmap(lambda time: on_segment(segment, 0, time).p)(times)
 
     def own(q):
-        gap = own_gap(robot.chain, _whole(robot), robot.at_home(q[0, :3]), q, base_size=robot.base_size)
+        home = robot.at_home(q[0, :3])
+        gap = own_gap(robot.chain, robot.body_and_brush, home, q, base_size=robot.base_size)
         return jnp.where(gap > 0, _OWN_TIMES, 1) * gap
 
     def brush_at(row):

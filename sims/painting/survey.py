@@ -52,7 +52,7 @@ def camera_arm(robot: Robot) -> CameraArm:
         lower=robot.lower,
         upper=robot.upper,
         brush=brush.p[:2],
-        spheres=jax.tree.map(lambda a, b: jnp.concatenate([a, b]), robot.spheres, robot.brush),
+        spheres=robot.body_and_brush,
         footprint=robot.footprint,
         lidar=robot.T_base_lidar.p[2],
     )

@@ -1,6 +1,7 @@
 """What the programs know of a robot."""
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
@@ -47,6 +48,11 @@ class Robot(eqx.Module):
     def camera_chain(self) -> KinematicChain:
         """The same joints, to the camera."""
         return with_tool(self.chain, self.T_brush_camera)
+
+    @property
+    def body_and_brush(self) -> Spheres:
+        """The spheres of both, the body's first."""
+        return jax.tree.map(lambda a, b: jnp.concatenate([a, b]), self.spheres, self.brush)
 
     def at_home(self, q_base: Float[Array, "3"]) -> Float[Array, " joints"]:
         """All joints with the base at (x, y, yaw) and the arm at home."""

@@ -67,7 +67,7 @@ def test_few_views_see_the_whole_area(robot, camera, kind, size):
 
 def own_gaps(robot, views):
     """Of the robot to itself, its brush included, as it looks [m]."""
-    whole = jax.tree.map(lambda a, b: jnp.concatenate([a, b]), robot.spheres, robot.brush)
+    whole = robot.body_and_brush
 
     def gap(base, q):
         return own_gap_at(robot.chain, whole, robot.at_home(base), jnp.concatenate([base, q]))
