@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from jaxpaint.kinematics.chain import KinematicChain, forward
-from jaxpaint.kinematics.steering import wrap
+from jaxpaint.steering import wrap
 from opt.controller import Command, Controller, Decision, Measured
 from opt.plan import Samples
 from opt.wbc.base_motion import body_twist

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from jaxpaint.kinematics.drives import AbstractDrive
+from jaxpaint.steering import AbstractDrive
 
 
 class Wheels(NamedTuple):

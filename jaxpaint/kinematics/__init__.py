@@ -9,7 +9,6 @@ from jaxpaint.kinematics.chain import (
     tool_pose,
     with_tool,
 )
-from jaxpaint.kinematics.drives import AbstractDrive, RollerWheels, mecanum
 from jaxpaint.kinematics.dynamics import Inertia, inverse_dynamics
 from jaxpaint.kinematics.ik import IKSettings, IKSolution, solve, spread_starts
 from jaxpaint.kinematics.manipulability import manipulability, manipulability_gradient
@@ -27,18 +26,14 @@ from jaxpaint.kinematics.rotations import (
 )
 from jaxpaint.kinematics.small_solve import solve_spd
 from jaxpaint.kinematics.spheres import Spheres, sphere_centers
-from jaxpaint.kinematics.steering import SteeredWheels, holonomic
 
 __all__ = [
-    "AbstractDrive",
     "IKSettings",
     "IKSolution",
     "Inertia",
     "KinematicChain",
     "Pose",
-    "RollerWheels",
     "Spheres",
-    "SteeredWheels",
     "arm_chain",
     "compose",
     "cross",
@@ -46,13 +41,11 @@ __all__ = [
     "forward",
     "frame_from_axis",
     "frames",
-    "holonomic",
     "inverse_dynamics",
     "jacobian",
     "manipulability",
     "manipulability_gradient",
     "matrix_from_pose",
-    "mecanum",
     "pose_from_matrix",
     "quaternion_from_rotation",
     "rotate",

@@ -8,8 +8,7 @@ from jaxtyping import Array, Float
 
 from jaxpaint.decisions.halting import HaltState, update_halt
 from jaxpaint.decisions.thresholds import Thresholds
-from jaxpaint.kinematics.drives import AbstractDrive
-from jaxpaint.kinematics.steering import wrap
+from jaxpaint.steering import AbstractDrive, wrap
 from opt.wbc.settings import ControllerSettings
 
 # A base nearer to its station than this has arrived [m].

@@ -8,8 +8,8 @@ from jaxtyping import Array, Float
 from jaxpaint.decisions.halting import HaltState, initial_halt
 from jaxpaint.decisions.thresholds import Thresholds
 from jaxpaint.kinematics.chain import KinematicChain, jacobian
-from jaxpaint.kinematics.drives import AbstractDrive
 from jaxpaint.kinematics.manipulability import manipulability_gradient
+from jaxpaint.steering import AbstractDrive
 from opt.controller import Command, Controller, Decision, Measured
 from opt.plan import Samples
 from opt.qp import QuadraticProgram, solve_qp

@@ -5,7 +5,8 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from jaxpaint.kinematics import AbstractDrive, Inertia, KinematicChain, Pose, Spheres, arm_chain, with_tool
+from jaxpaint.kinematics import Inertia, KinematicChain, Pose, Spheres, arm_chain, with_tool
+from jaxpaint.steering import AbstractDrive
 
 
 class Robot(eqx.Module):

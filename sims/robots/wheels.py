@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 
 from jaxpaint.errors import InputError
-from jaxpaint.kinematics import AbstractDrive, SteeredWheels, holonomic, mecanum
+from jaxpaint.steering import AbstractDrive, SteeredWheels, holonomic, mecanum
 from sims.robots.model import body_frames, find, names_of, numeric
 from sims.robots.servos import speed_of
 

@@ -5,7 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxpaint.kinematics.steering import base_twist
+from jaxpaint.steering.steered import base_twist
 from sims.driver import Wheels, drive
 from sims.limits import robot_limits
 from sims.noise import noise_preset

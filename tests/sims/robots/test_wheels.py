@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from jaxpaint.errors import InputError
-from jaxpaint.kinematics import RollerWheels, SteeredWheels
+from jaxpaint.steering import RollerWheels, SteeredWheels
 from sims.robots import load_robot
 
 BODY = """

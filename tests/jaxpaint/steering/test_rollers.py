@@ -5,7 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxpaint.kinematics import holonomic, mecanum
+from jaxpaint.steering import holonomic, mecanum
 
 CORNERS = np.array([[0.28, 0.22], [0.28, -0.22], [-0.28, 0.22], [-0.28, -0.22]])
 

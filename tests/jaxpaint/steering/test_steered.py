@@ -6,7 +6,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from jaxpaint.kinematics.steering import SteeredWheels, base_twist, contact_velocity, wheel_commands, wrap
+from jaxpaint.steering import SteeredWheels, wrap
+from jaxpaint.steering.steered import base_twist, contact_velocity, wheel_commands
 
 
 def geometry(position=((0.28, 0.22), (0.28, -0.22), (-0.28, 0.22), (-0.28, -0.22))):

@@ -8,7 +8,8 @@ v_y + w a); a wheel that does not slip points along that velocity and rolls at i
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from jaxpaint.kinematics.drives import AbstractDrive
+from jaxpaint.steering.angles import wrap
+from jaxpaint.steering.drive import AbstractDrive
 
 # Below this rim speed a wheel keeps its direction: the angle of a vanishing velocity means nothing.
 _STILL = 1e-4
@@ -70,11 +71,6 @@ def contact_velocity(wheels: SteeredWheels, twist: Float[Array, "3"]) -> Float[A
     """Velocity of each wheel contact in the base frame [m/s] for a base twist (v_x, v_y, w), S1-(8)."""
     a, b = wheels.position[:, 0], wheels.position[:, 1]
     return jnp.stack([twist[0] - twist[2] * b, twist[1] + twist[2] * a], axis=-1)
-
-
-def wrap(angle: Float[Array, "*s"]) -> Float[Array, "*s"]:
-    """The same angle in [-pi, pi)."""
-    return angle - 2 * jnp.pi * jnp.floor((angle + jnp.pi) / (2 * jnp.pi))
 
 
 def wheel_commands(
