@@ -4,7 +4,8 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from jaxpaint.kinematics.small_solve import gram, solve_spd
-from jaxpaint.steering.drive import AbstractDrive
+from jaxpaint.steering.drive import AbstractDrive, Odometry, WheelMotion
+from jaxpaint.steering.odometry import root_mean_square
 
 
 class RollerWheels(AbstractDrive):
@@ -21,6 +22,11 @@ class RollerWheels(AbstractDrive):
         """The number of wheels."""
         return self.rows.shape[0]
 
+    @property
+    def nonholonomic_rows(self):
+        """None."""
+        return jnp.zeros((0, 3), self.rows.dtype)
+
     def steered(self, twist, angle, dt):
         """Nothing steers."""
         return angle
@@ -28,6 +34,19 @@ class RollerWheels(AbstractDrive):
     def rolled(self, twist, angle):
         """rows (v_x, v_y, w)."""
         return self.rows[:, 0] * twist[0] + self.rows[:, 1] * twist[1] + self.rows[:, 2] * twist[2]
+
+    def load(self, twist, angle):
+        """Of the rims."""
+        return jnp.abs(self.rolled(twist, angle)).max() / self.speed_limit
+
+    def motion(self, twist, angle, dt):
+        """Rims at once at their speed."""
+        return WheelMotion(angle, self.rolled(twist, angle), jnp.zeros_like(angle))
+
+    def odometry(self, motion):
+        """One equation for each wheel: its rim; the rollers leave the rest open."""
+        twist = self.twist(motion.angle, motion.speed)
+        return Odometry(twist, root_mean_square(self.rolled(twist, motion.angle) - motion.speed))
 
     def twist(self, angle, speed):
         """The normal equations (rows' rows) twist = rows' S."""

@@ -1,37 +1,62 @@
-"""Four-wheel-steering kinematics (4WSK): base twist to steered, driven wheels and back.
+"""Wheels whose contacts lie under their steering axes (l = 0): they must point the way they go.
 
-S1-(9) as printed satisfies no single set of no-slip constraints. Derived here for a wheel whose contact lies
-under its steering axis at (a, b) in the base frame (link length l = 0): the contact moves with (v_x - w b,
-v_y + w a); a wheel that does not slip points along that velocity and rolls at its magnitude.
+A wheel's axis at (a, b) in the base frame moves with V = (v_x - w b, v_y + w a), S1-(8). A wheel at the angle
+phi rolls along u = (cos phi, sin phi) and does not slip along n = (-sin phi, cos phi):
+
+    rolling    u . V = speed of the rim
+    no slip    n . V = 0
+
+so it points along V, either way round, and rolls at |V|. S1-(9) as printed, with l = 0, is no such wheel; nor
+is it one with l > 0 (docs/steering.md).
 """
+
+from typing import NamedTuple
 
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from jaxpaint.steering.angles import wrap
-from jaxpaint.steering.drive import AbstractDrive
-
-# Below this rim speed a wheel keeps its direction: the angle of a vanishing velocity means nothing.
-_STILL = 1e-4
+from jaxpaint.steering.drive import AbstractDrive, Odometry, WheelMotion
+from jaxpaint.steering.odometry import point_velocity, rigid_residual, rigid_twist
 
 
 class SteeredWheels(AbstractDrive):
     """position: (a_i, b_i) of the steering axes in the base frame [m]. rate_limit: of the steering angles
-    [rad/s]. speed_limit: of the wheel's rim [m/s].
+    [rad/s]. speed_limit: of the wheel's rim [m/s]. margin: how much less the other way round must turn before
+    a wheel changes its way [rad]; see `wheel_commands`. still: below this speed [m/s] a wheel keeps its
+    angle: the angle of a vanishing velocity means nothing.
     """
 
     position: Float[Array, "w 2"]
     rate_limit: Float[Array, ""]
     speed_limit: Float[Array, ""]
+    margin: Float[Array, ""]
+    still: Float[Array, ""]
+
+    def __init__(
+        self,
+        position: Float[Array, "w 2"],
+        rate_limit: Float[Array, ""],
+        speed_limit: Float[Array, ""],
+        margin: float | Float[Array, ""] = 0.2,
+        still: float | Float[Array, ""] = 1e-4,
+    ):
+        self.position, self.rate_limit, self.speed_limit = position, rate_limit, speed_limit
+        self.margin, self.still = (jnp.asarray(x, position.dtype) for x in (margin, still))
 
     @property
     def size(self) -> int:
         """The number of wheels."""
         return self.position.shape[0]
 
+    @property
+    def nonholonomic_rows(self):
+        """None: any twist is theirs once the wheels have turned."""
+        return jnp.zeros((0, 3), self.position.dtype)
+
     def steered(self, twist, angle, dt):
         """Towards the nearer of the two angles that fit, at the rate limit."""
-        target, _ = wheel_commands(self, twist, angle)
+        target = wheel_commands(self, twist, angle).angle
         step = self.rate_limit * dt
         return angle + jnp.clip(target - angle, -step, step)
 
@@ -40,16 +65,34 @@ class SteeredWheels(AbstractDrive):
 
         A module that is not there yet does not push sideways.
         """
-        velocity = contact_velocity(self, twist)
+        velocity = point_velocity(twist, self.position)
         return velocity[:, 0] * jnp.cos(angle) + velocity[:, 1] * jnp.sin(angle)
 
+    def load(self, twist, angle):
+        """Of the rims alone: the angle that a twist asks for is the same however slow it is."""
+        return jnp.abs(self.rolled(twist, angle)).max() / self.speed_limit
+
+    def motion(self, twist, angle, dt):
+        """Wheels turn first, as far as they come, and roll as they then stand."""
+        turned = self.steered(twist, angle, dt)
+        rate = (wheel_commands(self, twist, angle).angle - angle) / dt
+        return WheelMotion(
+            turned, self.rolled(twist, turned), jnp.clip(rate, -self.rate_limit, self.rate_limit)
+        )
+
+    def odometry(self, motion):
+        """Rolling and no slip of every wheel: a turning axis moves no contact that lies under it."""
+        velocity = _along(motion.angle, motion.speed)
+        twist = rigid_twist(self.position, velocity)
+        return Odometry(twist, rigid_residual(twist, self.position, velocity))
+
     def twist(self, angle, speed):
-        """See `base_twist`."""
-        return base_twist(self, angle, speed)
+        """See `rigid_twist`."""
+        return rigid_twist(self.position, _along(angle, speed))
 
     def readiness(self, twist, angle):
         """1 when every wheel points along its demanded velocity (either way), 0 from 18 degrees off."""
-        v = contact_velocity(self, twist)
+        v = point_velocity(twist, self.position)
         along = jnp.abs(v[:, 0] * jnp.cos(angle) + v[:, 1] * jnp.sin(angle))
         size = jnp.sqrt((v**2).sum(-1) + 1e-12)
         worst = jnp.where(size > 1e-3, along / size, 1.0).min()
@@ -67,40 +110,43 @@ def holonomic(
     return SteeredWheels(corners * half, rate_limit, speed_limit)
 
 
-def contact_velocity(wheels: SteeredWheels, twist: Float[Array, "3"]) -> Float[Array, "w 2"]:
-    """Velocity of each wheel contact in the base frame [m/s] for a base twist (v_x, v_y, w), S1-(8)."""
-    a, b = wheels.position[:, 0], wheels.position[:, 1]
-    return jnp.stack([twist[0] - twist[2] * b, twist[1] + twist[2] * a], axis=-1)
+class WheelCommands(NamedTuple):
+    """angle: where each axis should be [rad]. speed: of the rims there [m/s]. way: 1 for a wheel that rolls
+    forwards, -1 for one that rolls backwards, and 0 for one that has not rolled yet.
+    """
+
+    angle: Float[Array, "w"]
+    speed: Float[Array, "w"]
+    way: Float[Array, "w"]
 
 
 def wheel_commands(
-    wheels: SteeredWheels, twist: Float[Array, "3"], angle: Float[Array, "w"]
-) -> tuple[Float[Array, "w"], Float[Array, "w"]]:
+    wheels: SteeredWheels,
+    twist: Float[Array, "3"],
+    angle: Float[Array, "w"],
+    way: float | Float[Array, "w"] = 0.0,
+) -> WheelCommands:
     """Steering angle [rad] and rim speed [m/s] of each wheel for a twist, on the branch that turns least.
 
-    A wheel may roll backwards, so of the two angles that fit, the one nearer to the present `angle` is taken;
-    it then lies within a quarter turn. At rest the present angle is kept.
+    A wheel may roll backwards, so two angles fit, half a turn apart, and one is within a quarter turn of the
+    present `angle`. Where both are a quarter turn away, noise would change the branch in every step, and the
+    wheel would tremble on the spot. The angle alone cannot tell which branch it is on, so the branch is
+    state: `way` of the last call. That one is kept unless the other turns less by more than `wheels.margin`,
+    so an angle lies within pi/2 + margin/2. With way 0 (the default) the nearer is taken.
+
+    Below `wheels.still` a wheel keeps angle and way, and rolls what of the velocity lies along it; at zero
+    speed that is 0.
     """
-    velocity = contact_velocity(wheels, twist)
-    square = (velocity**2).sum(-1)
-    moving = square > _STILL**2
+    velocity = point_velocity(twist, wheels.position)
+    moving = (velocity**2).sum(-1) > wheels.still**2
     x, y = jnp.where(moving, velocity[:, 0], 1.0), jnp.where(moving, velocity[:, 1], 0.0)
     turn = wrap(jnp.arctan2(y, x) - angle)
-    back = jnp.abs(turn) > jnp.pi / 2
+    back = jnp.abs(turn) > jnp.pi / 2 + way * wheels.margin / 2
     turn = jnp.where(back, wrap(turn + jnp.pi), turn)
-    speed = jnp.sqrt(jnp.where(moving, square, 1.0)) * jnp.where(back, -1.0, 1.0)
-    return angle + jnp.where(moving, turn, 0.0), jnp.where(moving, speed, 0.0)
+    target = angle + jnp.where(moving, turn, 0.0)
+    now = 1 - 2 * back.astype(target.dtype)
+    return WheelCommands(target, wheels.rolled(twist, target), jnp.where(moving, now, way))
 
 
-def base_twist(
-    wheels: SteeredWheels, angle: Float[Array, "w"], speed: Float[Array, "w"]
-) -> Float[Array, "3"]:
-    """The twist that fits steering angles and rim speeds best, by least squares: odometry.
-
-    For wheels about their own centroid (sum a = sum b = 0 after shifting), the normal equations are diagonal.
-    """
-    vx, vy = speed * jnp.cos(angle), speed * jnp.sin(angle)
-    center = wheels.position.mean(0)
-    a, b = wheels.position[:, 0] - center[0], wheels.position[:, 1] - center[1]
-    omega = (a * vy - b * vx).sum() / (a**2 + b**2).sum()
-    return jnp.stack([vx.mean() + omega * center[1], vy.mean() - omega * center[0], omega])
+def _along(angle: Float[Array, "w"], speed: Float[Array, "w"]) -> Float[Array, "w 2"]:
+    return jnp.stack([speed * jnp.cos(angle), speed * jnp.sin(angle)], axis=-1)

@@ -5,7 +5,6 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxpaint.steering.steered import base_twist
 from sims.driver import Wheels, drive
 from sims.limits import robot_limits
 from sims.noise import noise_preset
@@ -38,7 +37,7 @@ def driven(steering, twist, steps, start=0.0):
 
 def test_wheels_reach_the_twist_within_their_limits(steering):
     wheels, seen = driven(steering, [0.05, 0.08, 0.1], 100)
-    np.testing.assert_allclose(base_twist(steering, *wheels), [0.05, 0.08, 0.1], atol=1e-5)
+    np.testing.assert_allclose(steering.twist(*wheels), [0.05, 0.08, 0.1], atol=1e-5)
     turns = np.abs(np.array([t for t, _ in seen])).max()
     assert 0 < turns <= float(steering.rate_limit * DT) * 1.001
     assert np.abs(np.array([s for _, s in seen])).max() <= 2.0 * 0.02 * 1.001

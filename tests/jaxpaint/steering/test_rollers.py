@@ -5,7 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxpaint.steering import holonomic, mecanum
+from jaxpaint.steering import WheelMotion, mecanum
 
 CORNERS = np.array([[0.28, 0.22], [0.28, -0.22], [-0.28, 0.22], [-0.28, -0.22]])
 
@@ -53,23 +53,16 @@ def test_round_trip_is_the_identity_and_odometry_the_least_squares(x64):
     back = jax.jit(jax.vmap(lambda t: drive.twist(still, drive.rolled(t, still))))(twists)
     np.testing.assert_allclose(back, twists, atol=1e-10)
     speeds = rng.normal(size=(20, 4))  # four numbers that no twist makes
-    found = jax.jit(jax.vmap(lambda s: drive.twist(still, s)))(jnp.asarray(speeds))
+    found = jax.jit(jax.vmap(lambda s: drive.odometry(WheelMotion(still, s, still))))(jnp.asarray(speeds))
     expected = [np.linalg.lstsq(np.asarray(drive.rows), s, rcond=None)[0] for s in speeds]
-    np.testing.assert_allclose(found, expected, atol=1e-10)
+    np.testing.assert_allclose(found.twist, expected, atol=1e-10)
+    left = np.asarray(expected) @ np.asarray(drive.rows).T - speeds
+    np.testing.assert_allclose(found.residual, np.sqrt((left**2).mean(-1)), rtol=1e-8)
 
 
 def test_nothing_steers_and_nothing_waits():
     angle, twist = jnp.zeros(4), jnp.asarray([0.0, 0.1, 0.2])
     assert wheels().size == 4
+    assert wheels().nonholonomic_rows.shape == (0, 3)
     np.testing.assert_array_equal(wheels().steered(twist, angle, jnp.float32(0.02)), angle)
     assert float(wheels().readiness(twist, angle)) == 1
-
-
-def test_a_holonomic_base_makes_any_twist_in_one_step():
-    drive = holonomic(jnp.float32(0.25), jnp.float32(1e3), jnp.float32(1e3))
-    for twist in ([0.1, 0, 0], [0, -0.2, 0], [0, 0, 0.5], [-0.1, 0.2, 0.3]):
-        angle = drive.steered(jnp.asarray(twist), jnp.full(4, 0.3), jnp.float32(0.02))
-        assert float(drive.readiness(jnp.asarray(twist), angle)) == 1
-        np.testing.assert_allclose(
-            drive.twist(angle, drive.rolled(jnp.asarray(twist), angle)), twist, atol=1e-6
-        )
