@@ -11,9 +11,9 @@ At every angle any twist can be made at once: a twist asks for a steering rate a
 printed is neither these rows nor these with other signs (docs/steering.md).
 """
 
+import jax
 import jax.numpy as jnp
 import numpy as np
-from jax.core import Tracer
 from jaxtyping import Array, Float
 
 from jaxpaint.steering.drive import AbstractDrive, Odometry, WheelMotion
@@ -40,8 +40,12 @@ class CasterWheels(AbstractDrive):
 
     def __check_init__(self):
         """Raises a ValueError for an offset that is 0 or below; where it is traced, nobody can tell."""
-        if not isinstance(self.offset, Tracer) and not (np.asarray(self.offset) > 0).all():
-            raise ValueError(f"offset: {self.offset} m; allowed: above 0 (for 0 take SteeredWheels)")
+        try:
+            offset = np.asarray(self.offset)
+        except jax.errors.TracerArrayConversionError:
+            return
+        if not (offset > 0).all():
+            raise ValueError(f"offset: {offset} m; allowed: above 0 (for 0 take SteeredWheels)")
 
     @property
     def size(self) -> int:

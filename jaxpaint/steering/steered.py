@@ -6,8 +6,8 @@ phi rolls along u = (cos phi, sin phi) and does not slip along n = (-sin phi, co
     rolling    u . V = speed of the rim
     no slip    n . V = 0
 
-so it points along V, either way round, and rolls at |V|. S1-(9) as printed, with l = 0, is no such wheel; nor
-is it one with l > 0 (docs/steering.md).
+so it points along V, either way round, and rolls at |V|. S1-(9) as printed is no wheel at all
+(docs/steering.md).
 """
 
 from typing import NamedTuple

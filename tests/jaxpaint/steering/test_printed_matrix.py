@@ -97,6 +97,7 @@ def test_each_row_alone_is_a_wheel_under_some_signs(rows):
     assert straight._replace(twist=(1, -1, 1)) in rows[0]
     assert straight._replace(wheel=(1, -1), place=(-1, -1, 1)) in rows[1]
     assert straight not in rows[0] | rows[1]
+    assert (len(rows[0]), len(rows[1])) == (64, 32)
 
 
 def test_neither_row_is_a_wheel_in_any_one_frame(rows):
