@@ -8,11 +8,12 @@ memory are worlds, while `jax.vmap` moves the worlds to the front.
 
 from collections import Counter
 from collections.abc import Callable, Sequence
+from functools import partial
 
 import jax
 from jax.extend import core
 
-from jaxpaint.compiling.control_flow import CONTROL_FLOW
+from jaxpaint.compiling.control_flow import CONTROL_FLOW, in_blocks
 from jaxpaint.compiling.rules import RULES, Value, fallback
 from jaxpaint.compiling.small_matrices import written_out
 
@@ -22,8 +23,13 @@ _FREE = {"broadcast_in_dim", "iota", "reshape", "squeeze", "expand_dims", "conve
 _COSTLY = {"reduce_sum", "dot_general", "concatenate"}
 
 
-def batch_last(jaxpr: core.ClosedJaxpr, args: Sequence[Value], worlds: int) -> list[Value]:
-    """Evaluates `jaxpr`; a `Value` that is batched has shape `[*one_world, worlds]`."""
+def batch_last(
+    jaxpr: core.ClosedJaxpr, args: Sequence[Value], worlds: int, block: int | None = None
+) -> list[Value]:
+    """Evaluates `jaxpr`; a `Value` that is batched has shape `[*one_world, worlds]`.
+
+    block: how many worlds a loop takes at a time, see `in_blocks`; the worlds are a multiple of it.
+    """
     body = jaxpr.jaxpr
     live = _live(body)
     reads = _count_reads(live, body.outvars)
@@ -36,7 +42,7 @@ def batch_last(jaxpr: core.ClosedJaxpr, args: Sequence[Value], worlds: int) -> l
         return Value(atom.val, False) if isinstance(atom, core.Literal) else env[atom]
 
     for equation in live:
-        results = _evaluate(equation, [read(v) for v in equation.invars], worlds)
+        results = _evaluate(equation, [read(v) for v in equation.invars], worlds, block)
         if equation.primitive.name not in _FREE:
             costly = equation.primitive.name in _COSTLY
             results = _shield(results, [costly or reads[v] > 1 for v in equation.outvars])
@@ -60,10 +66,16 @@ def _count_reads(equations: Sequence[core.JaxprEqn], results: Sequence) -> Count
     return Counter(v for v in atoms if not isinstance(v, core.Literal))
 
 
-def _evaluate(equation: core.JaxprEqn, inputs: list[Value], worlds: int) -> list[Value]:
+def _evaluate(
+    equation: core.JaxprEqn, inputs: list[Value], worlds: int, block: int | None = None
+) -> list[Value]:
     name = equation.primitive.name
+    if block and worlds > block and any(v.batched for v in inputs):
+        split = in_blocks(equation, inputs, worlds, block, batch_last)
+        if split is not None:
+            return split
     if name in CONTROL_FLOW:
-        return CONTROL_FLOW[name](equation, inputs, worlds, batch_last)
+        return CONTROL_FLOW[name](equation, inputs, worlds, partial(batch_last, block=block))
     if not any(v.batched for v in inputs):
         out = equation.primitive.bind(*(v.array for v in inputs), **equation.params)
         return [Value(x, False) for x in (out if equation.primitive.multiple_results else [out])]

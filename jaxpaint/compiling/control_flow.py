@@ -1,6 +1,7 @@
 """Loops, branches and calls when the worlds are the last axis."""
 
 from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -9,6 +10,7 @@ from jax.extend import core
 
 from jaxpaint.compiling.rules import Value, spread
 
+# Evaluates a one-world program for so many worlds.
 Evaluate = Callable[[core.ClosedJaxpr, Sequence[Value], int], list[Value]]
 
 
@@ -82,32 +84,57 @@ def _scan(equation, inputs: list[Value], worlds: int, evaluate: Evaluate) -> lis
     return [*map(Value, carry, flags), *map(Value, ys, y_flags)]
 
 
+class _Loop(NamedTuple):
+    """A while loop. by_world: the worlds end one by one. flags: which of the carry differ between worlds."""
+
+    params: dict
+    shapes: list[tuple[int, ...]]
+    flags: list[bool]
+    by_world: bool
+    evaluate: Evaluate
+
+    def goes_on(self, consts: Sequence[Value], carry, worlds: int) -> jax.Array:
+        values = [*consts[: self.params["cond_nconsts"]], *map(Value, carry, self.flags)]
+        return self.evaluate(self.params["cond_jaxpr"], values, worlds)[0].array
+
+    def run(self, consts: Sequence[Value], start, worlds: int):
+        """The carry once no world goes on; a world that is done keeps its values."""
+
+        def step(carry):
+            values = [*consts[self.params["cond_nconsts"] :], *map(Value, carry, self.flags)]
+            out = self.evaluate(self.params["body_jaxpr"], values, worlds)
+            new = _spread_all(out, self.shapes, self.flags, worlds)
+            if self.by_world:
+                live = self.goes_on(consts, carry, worlds)
+                new = [jnp.where(live, a, b) for a, b in zip(new, carry, strict=True)]
+            return tuple(new)
+
+        def test(carry):
+            live = self.goes_on(consts, carry, worlds)
+            return jnp.any(live) if self.by_world else live
+
+        return lax.while_loop(test, step, start)
+
+
 def _while(equation, inputs: list[Value], worlds: int, evaluate: Evaluate) -> list[Value]:
+    loop, consts, start = _prepared_while(equation, inputs, worlds, evaluate)
+    return list(map(Value, loop.run(consts, start, worlds), loop.flags))
+
+
+def _prepared_while(equation, inputs: list[Value], worlds: int, evaluate: Evaluate):
     p = equation.params
-    test, body, n_test, n_body = p["cond_jaxpr"], p["body_jaxpr"], p["cond_nconsts"], p["body_nconsts"]
-    test_consts, consts, init = inputs[:n_test], inputs[n_test : n_test + n_body], inputs[n_test + n_body :]
+    count = p["cond_nconsts"] + p["body_nconsts"]
+    consts, init = inputs[:count], inputs[count:]
+    body_consts = [v.batched for v in consts[p["cond_nconsts"] :]]
     flags = _settle(
-        lambda carry: _batched_outputs(body, [*(v.batched for v in consts), *carry]),
-        [v.batched for v in init],
+        lambda carry: _batched_outputs(p["body_jaxpr"], [*body_consts, *carry]), [v.batched for v in init]
     )
-    by_world = _batched_outputs(test, [*(v.batched for v in test_consts), *flags])[0]
+    test_consts = [v.batched for v in consts[: p["cond_nconsts"]]]
+    by_world = _batched_outputs(p["cond_jaxpr"], [*test_consts, *flags])[0]
     flags = [True] * len(flags) if by_world else flags
-    shapes = _shapes(body.jaxpr.outvars)
-
-    def goes_on(carry):
-        return evaluate(test, [*test_consts, *map(Value, carry, flags)], worlds)[0].array
-
-    def step(carry):
-        out = evaluate(body, [*consts, *map(Value, carry, flags)], worlds)
-        new = _spread_all(out, shapes, flags, worlds)
-        if by_world:  # a world that is done keeps its values
-            live = goes_on(carry)
-            new = [jnp.where(live, a, b) for a, b in zip(new, carry, strict=True)]
-        return tuple(new)
-
+    shapes = _shapes(p["body_jaxpr"].jaxpr.outvars)
     start = tuple(_spread_all(init, shapes, flags, worlds))
-    out = lax.while_loop(lambda c: jnp.any(goes_on(c)) if by_world else goes_on(c), step, start)
-    return list(map(Value, out, flags))
+    return _Loop(p, shapes, flags, by_world, evaluate), consts, start
 
 
 def _cond(equation, inputs: list[Value], worlds: int, evaluate: Evaluate) -> list[Value]:
@@ -163,3 +190,76 @@ CONTROL_FLOW = {
     "while": _while,
     "cond": _cond,
 }
+
+
+_PLAIN_CALLS = {"jit", "pjit", "closed_call"}
+
+
+def in_blocks(
+    equation, inputs: list[Value], worlds: int, block: int, evaluate: Evaluate
+) -> list[Value] | None:
+    """A loop over many worlds, so many at a time; None where the equation is no loop that can be split.
+
+    Rounds of a fixed number, and calls that make such, are made by one block of worlds after the other. A
+    loop that the worlds leave one by one takes the first of those that go on, until none does: so the slowest
+    few do not keep all others busy.
+    """
+    if equation.primitive.name == "scan":
+        return _block_by_block(_scan, equation, inputs, worlds, block, evaluate)
+    if equation.primitive.name in _PLAIN_CALLS and _is_heavy(equation.params["jaxpr"]):
+        return _block_by_block(_call, equation, inputs, worlds, block, evaluate)
+    if equation.primitive.name == "while":
+        return _while_in_blocks(equation, inputs, worlds, block, evaluate)
+    return None
+
+
+def _is_heavy(jaxpr: core.ClosedJaxpr) -> bool:
+    """Whether there are rounds of a fixed number in it, and no others."""
+    names = _loops(jaxpr)
+    return "scan" in names and "while" not in names
+
+
+def _loops(jaxpr: core.ClosedJaxpr) -> set[str]:
+    names = {e.primitive.name for e in jaxpr.jaxpr.eqns}
+    inner = [e.params.get("jaxpr") for e in jaxpr.jaxpr.eqns if e.primitive.name in _PLAIN_CALLS]
+    return names.union(*(_loops(_closed(j)) for j in inner))
+
+
+def _block_by_block(run_one, equation, inputs, worlds: int, block: int, evaluate: Evaluate) -> list[Value]:
+    batched: list[bool] = []
+
+    def run(begin):
+        parts = [_part(v, lambda x: lax.dynamic_slice_in_dim(x, begin, block, x.ndim - 1)) for v in inputs]
+        out = run_one(equation, parts, block, evaluate)
+        batched[:] = [v.batched for v in out]
+        return [v.array for v in out]
+
+    stacked = lax.map(run, block * jnp.arange(worlds // block))
+    return [
+        Value(jnp.moveaxis(x, 0, -2).reshape(*x.shape[1:-1], worlds), True) if b else Value(x[0], False)
+        for x, b in zip(stacked, batched, strict=True)
+    ]
+
+
+def _while_in_blocks(equation, inputs, worlds: int, block: int, evaluate: Evaluate) -> list[Value] | None:
+    loop, consts, start = _prepared_while(equation, inputs, worlds, evaluate)
+    if not loop.by_world:
+        return None
+
+    def advance(carry):
+        count = jnp.cumsum(loop.goes_on(consts, carry, worlds))
+        # Where fewer go on, the rest of the places stand beyond the last world, and come to nothing.
+        index = jnp.searchsorted(count, jnp.arange(1, block + 1), method="compare_all")
+        few = [_part(v, lambda x: jnp.take(x, index, axis=-1, mode="clip")) for v in consts]
+        own = tuple(jnp.take(x, index, axis=-1, mode="clip") for x in carry)
+        out = loop.run(few, own, block)
+        return tuple(
+            a.at[..., index].set(b, mode="drop", unique_indices=True) for a, b in zip(carry, out, strict=True)
+        )
+
+    out = lax.while_loop(lambda carry: jnp.any(loop.goes_on(consts, carry, worlds)), advance, start)
+    return list(map(Value, out, loop.flags))
+
+
+def _part(value: Value, take: Callable[[jax.Array], jax.Array]) -> Value:
+    return Value(take(value.array), True) if value.batched else value

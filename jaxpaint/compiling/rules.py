@@ -110,6 +110,9 @@ _SAME_AXES = [
 # worlds; larger ones go to the library.
 _SMALL_PRODUCT = 4096
 
+# Sums and extremes over so many values are written out.
+_SHORT_SUM = 32
+
 
 def spread(value: Value, shape: tuple[int, ...], worlds: int) -> jax.Array:
     """The value with the one-world shape `shape` and the worlds behind it."""
@@ -123,6 +126,23 @@ def _elementwise(equation: core.JaxprEqn, inputs: list[Value], worlds: int) -> l
     shape = equation.outvars[0].aval.shape  # type: ignore[attr-defined]
     arrays = [spread(v, shape, worlds) for v in inputs]
     return [Value(equation.primitive.bind(*arrays, **equation.params), True)]
+
+
+def _reduce(equation: core.JaxprEqn, inputs: list[Value], worlds: int) -> list[Value]:
+    """A short sum as additions: XLA would walk along the summed axis inside, not along the worlds."""
+    array = inputs[0].array
+    axes = equation.params["axes"]
+    shape = array.shape
+    count = int(np.prod([shape[a] for a in axes], dtype=int))
+    if count > _SHORT_SUM or count == 0:
+        return _same_axes(equation, inputs, worlds)
+    combine = {"reduce_sum": lax.add, "reduce_max": lax.max, "reduce_min": lax.min}[equation.primitive.name]
+    kept = [a for a in range(array.ndim) if a not in axes]
+    array = jnp.transpose(array, (*axes, *kept)).reshape(count, *(shape[a] for a in kept))
+    total = array[0]
+    for k in range(1, count):
+        total = combine(total, array[k])
+    return [Value(total, True)]
 
 
 def _same_axes(equation: core.JaxprEqn, inputs: list[Value], worlds: int) -> list[Value]:
@@ -211,7 +231,15 @@ def _dot_general(equation: core.JaxprEqn, inputs: list[Value], worlds: int) -> l
     depth = len(left_batch) + len(left_sum)
     left = jnp.expand_dims(left, tuple(range(depth + left_free, depth + left_free + right_free)))
     right = jnp.expand_dims(right, tuple(range(depth, depth + left_free)))
-    out = (left * right).sum(tuple(range(len(left_batch), depth)))
+    front = len(left_batch)
+    if front == 0 and 0 < summed <= _SHORT_SUM:
+        left = left.reshape(summed, *left.shape[depth:])
+        right = right.reshape(summed, *right.shape[depth:])
+        out = left[0] * right[0]
+        for k in range(1, summed):
+            out = out + left[k] * right[k]
+    else:
+        out = (left * right).sum(tuple(range(front, depth)))
     return [Value(out.astype(out_aval.dtype), True)]  # type: ignore[attr-defined]
 
 
@@ -236,6 +264,7 @@ def fallback(equation: core.JaxprEqn, inputs: list[Value], worlds: int) -> list[
 RULES: dict[str, Rule] = {
     **dict.fromkeys(_ELEMENTWISE, _elementwise),
     **dict.fromkeys(_SAME_AXES, _same_axes),
+    **dict.fromkeys(["reduce_sum", "reduce_max", "reduce_min"], _reduce),
     "broadcast_in_dim": _broadcast_in_dim,
     "reshape": _reshape,
     "transpose": _transpose,

@@ -32,6 +32,7 @@ def everything(x, y, scale):
         "sort": jnp.sort(x),
         "random": jax.random.normal(jax.random.key(jnp.int32(y[0] * 100)), (2,)),
         "einsum": jnp.einsum("ij,kj->ik", A, A),
+        "empty": A[:, :0] @ A[:0],
         "pad": jnp.pad(x, (1, 2)),
         "constant": jnp.zeros(2),
         "cumsum": jnp.cumsum(x)[::-1],
@@ -55,6 +56,19 @@ def test_equals_vmap(function, chunk):
     ours = batched(function, in_axes=(0, 0, None), chunk=chunk)(*args)
     reference = jax.vmap(function, in_axes=(0, 0, None))(*args)
     jax.tree.map(lambda a, b: np.testing.assert_allclose(a, b, rtol=2e-6, atol=1e-6), ours, reference)
+
+
+@pytest.mark.parametrize("function", [everything, gradient])
+def test_loops_in_blocks_equal_vmap(function):
+    args = inputs()
+    ours = batched(function, in_axes=(0, 0, None), chunk=8, block=2)(*args)
+    reference = jax.vmap(function, in_axes=(0, 0, None))(*args)
+    jax.tree.map(lambda a, b: np.testing.assert_allclose(a, b, rtol=2e-6, atol=1e-6), ours, reference)
+
+
+def test_blocks_divide_a_chunk():
+    with pytest.raises(ValueError, match="block: chunk is a multiple"):
+        batched(everything, in_axes=(0, 0, None), chunk=8, block=3)
 
 
 def test_one_by_one_equals_vmap():
