@@ -1,9 +1,13 @@
 """Times ours and a peer in turn, because the speed of a shared machine drifts while it is measured."""
 
 import statistics
+import time
 from collections.abc import Callable
 
 from experiments.benchmarks.rows import BenchRow
+
+# What takes less is repeated: a shorter measurement catches one disturbance or none [s].
+_LEAST = 0.3
 
 
 def compare(
@@ -21,3 +25,13 @@ def compare(
     pairs = [(ours(), peer()) for _ in range(rounds)]
     our_rates, peer_rates = zip(*pairs, strict=True)
     return BenchRow(name, statistics.median(our_rates), statistics.median(peer_rates), peer_name)
+
+
+def rate(work: Callable[[], object], count: int) -> float:
+    """How often `work`, which does something `count` times, does it [1/s], over a third of a second."""
+    begin, calls, seconds = time.perf_counter(), 0, 0.0
+    while seconds < _LEAST:
+        work()
+        calls += 1
+        seconds = time.perf_counter() - begin
+    return calls * count / seconds

@@ -4,7 +4,10 @@ It is what a user would write today. Needs the extra `bench`.
 """
 
 import time
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 from pathlib import Path
+from typing import Self
 
 import daqp
 import mujoco
@@ -56,3 +59,21 @@ def control_steps_per_second(steps: int = 5000) -> float:
     for step in range(steps):
         loop.step(circle_twist(step))
     return steps / (time.perf_counter() - start)
+
+
+class SerialLoops:
+    """The loop in several processes at once, which wait for work from `with` to its end."""
+
+    def __init__(self, processes: int) -> None:
+        self._count = processes
+        self._pool = ProcessPoolExecutor(processes, mp_context=get_context("spawn"))
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._pool.shutdown()
+
+    def rate(self, steps: int = 5000) -> float:
+        """The rate of all of them together [1/s]."""
+        return sum(self._pool.map(control_steps_per_second, [steps] * self._count))

@@ -1,6 +1,14 @@
-"""The quadratic program of the whole-body controller: fixed iterations, implicit gradients."""
+"""Quadratic programs of the whole-body controller: an interior point with implicit gradients."""
 
-from opt.qp.problem import QPSolution, QPStatus, QuadraticProgram
+from opt.qp.problem import Duals, QPSolution, QPStatus, QuadraticProgram, Residuals, quadratic_program
 from opt.qp.solve import solve_qp
 
-__all__ = ["QPSolution", "QPStatus", "QuadraticProgram", "solve_qp"]
+__all__ = [
+    "Duals",
+    "QPSolution",
+    "QPStatus",
+    "QuadraticProgram",
+    "Residuals",
+    "quadratic_program",
+    "solve_qp",
+]

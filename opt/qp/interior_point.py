@@ -1,120 +1,109 @@
-"""A primal-dual interior point with a fixed number of Mehrotra predictor-corrector steps."""
-
-from typing import NamedTuple
+"""A primal-dual interior point, for programs with and without a solution."""
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Array, Bool, Float
 
-from opt.qp import ldl
-from opt.qp.problem import QuadraticProgram
+from opt.qp.feasibility import proves_infeasible
+from opt.qp.iterate import Goal, Iterate, Start, Task, cold, given, goal_of, joined, prepared, warm
+from opt.qp.problem import QuadraticProgram, is_usable
+from opt.qp.step import step
 
-# Share of the way to the nearest bound that a step may go.
-_TO_BOUND = 0.99
-
-
-class Iterate(NamedTuple):
-    """x, distances to the upper and lower bounds, their multipliers, and the task rows' multiplier."""
-
-    x: Float[Array, "n"]
-    gap_upper: Float[Array, "n"]
-    gap_lower: Float[Array, "n"]
-    dual_upper: Float[Array, "n"]
-    dual_lower: Float[Array, "n"]
-    dual_task: Float[Array, "m"]
+# So many steps are made before an iterate is looked at, from a cold and from a warm start: nearly all
+# programs need about as many, and to look costs as much as a step. With inequality rows it is one more.
+_BLIND = 9
+_BLIND_WARM = 6
+# Relative residual at which an iteration ends, by precision.
+_TOLERANCE = {"float32": 1e-5, "float64": 1e-13}
 
 
-class Direction(NamedTuple):
-    """A Newton direction of `Iterate`; the gaps move with x."""
+def solve_path(
+    problem: QuadraticProgram,
+    start: Start | None,
+    smoothing: Float[Array, ""],
+    iterations: int,
+    fixed: bool,
+) -> Iterate:
+    """The last iterate towards complementarity `smoothing`, after at most `iterations` steps from each start.
 
-    x: Array
-    dual_upper: Array
-    dual_lower: Array
-    dual_task: Array
+    A world that is done keeps its iterate while its neighbours go on: its result does not depend on them.
+    """
+    # A function of its own under jit: `jaxpaint.compiling` takes it block by block.
+    blind = jax.jit(_blind_steps, static_argnums=3)
+    steps = (_BLIND if start is None else _BLIND_WARM) + (problem.limit.shape[0] > 0)
+    count = iterations if fixed else min(iterations, steps)
+    point = blind(problem, start, smoothing, count)
+    if fixed:
+        return point
+
+    def finish(point: Iterate) -> Iterate:
+        return _judged_steps(problem, point, smoothing, iterations, start is not None)
+
+    return jax.lax.while_loop(lambda point: ~point.over, finish, point)
 
 
-def iterate(problem: QuadraticProgram, smoothing: Float[Array, ""], iterations: int) -> Iterate:
-    """The iterate after `iterations` steps towards complementarity `smoothing` (gap times multiplier)."""
-
-    def step(_, point: Iterate) -> Iterate:
-        return _step(problem, point, smoothing)
-
-    return jax.lax.fori_loop(0, iterations, step, _start(problem))
-
-
-def _start(problem: QuadraticProgram) -> Iterate:
-    middle = (problem.lower + problem.upper) / 2
-    dual = jnp.full_like(middle, 0.1)
-    return Iterate(
-        middle, problem.upper - middle, middle - problem.lower, dual, dual, jnp.zeros_like(problem.target)
+def _blind_steps(
+    problem: QuadraticProgram, start: Start | None, smoothing: Float[Array, ""], count: int
+) -> Iterate:
+    """So many steps; what is over is only looked at after the last."""
+    task = prepared(problem)
+    goal = given(task, smoothing)
+    first = cold(task, goal, jnp.zeros_like(smoothing)) if start is None else warm(task, goal, start)
+    point = jax.lax.fori_loop(0, count, lambda _, point: step(task, goal, point), first)
+    done, usable = _converged(task, goal, point, smoothing), is_usable(problem)
+    return point._replace(
+        usable=usable,
+        count=jnp.full_like(point.count, count),
+        done=done,
+        over=done | ~usable,
+        proven=proves_infeasible(problem, point.dual_task, point.dual_rows),
     )
 
 
-def _step(problem: QuadraticProgram, point: Iterate, smoothing: Float[Array, ""]) -> Iterate:
-    """One predictor-corrector step; both directions share one factorisation of J W J' + 1/L."""
-    count = 2 * point.x.shape[0]
-    curvature = point.dual_upper / point.gap_upper + point.dual_lower / point.gap_lower
-    weight = 1 / (problem.cost + curvature)
-    factors = ldl.factor(ldl.weighted_gram(problem.jacobian, weight, 1 / problem.slack_cost))
-    dual_residual, task_residual = residuals(problem, point)
-    mean = (point.gap_upper * point.dual_upper + point.gap_lower * point.dual_lower).sum() / count
+def _judged_steps(
+    problem: QuadraticProgram, point: Iterate, smoothing: Float[Array, ""], iterations: int, warmed: bool
+) -> Iterate:
+    """The steps that are left, each iterate looked at. Where one proves that no x meets the rows, or steps
+    run out, the search for the least violation begins, which finds the proof if there is one. warmed: the
+    steps so far came from a warm start, and count for nothing unless they ended it.
+    """
+    task = prepared(problem)
+    one, hard = jnp.ones_like(smoothing), (task.compliance == 0).any()
+    anew = cold(task, goal_of(task, one, smoothing), one)
 
-    def direction(target_upper, target_lower) -> Direction:
-        """Newton direction when the products gap * multiplier are to become the targets."""
-        upper, lower = target_upper / point.gap_upper, target_lower / point.gap_lower
-        gradient = dual_residual - point.dual_upper + point.dual_lower + upper - lower
-        dx, dy = kkt_solve(problem.jacobian, weight, factors, -gradient, -task_residual)
-        d_upper = upper - point.dual_upper + point.dual_upper / point.gap_upper * dx
-        d_lower = lower - point.dual_lower - point.dual_lower / point.gap_lower * dx
-        return Direction(dx, d_upper, d_lower, dy)
+    def begun(point: Iterate, start: Iterate, where: Bool[Array, ""]) -> Iterate:
+        kept = ("count", "proven", "usable")
+        start = start._replace(begun=point.count, **{name: getattr(point, name) for name in kept})
+        return jax.tree.map(lambda a, b: jnp.where(where, a, b), start, point)
 
-    zero = jnp.zeros_like(point.x)
-    guess = direction(zero, zero)
-    ahead = _advance(point, guess, jnp.minimum(_longest(point, guess), 1.0))
-    mean_ahead = (ahead.gap_upper * ahead.dual_upper + ahead.gap_lower * ahead.dual_lower).sum() / count
-    target = jnp.maximum(mean * (mean_ahead / mean) ** 3, smoothing)
-    # On the central path itself the predictor's curvature is no error: without this the end would miss it.
-    bend = jnp.maximum(1 - smoothing / mean, 0.0) * guess.x
-    final = direction(target + bend * guess.dual_upper, target - bend * guess.dual_lower)
-    return _advance(point, final, jnp.minimum(_TO_BOUND * _longest(point, final), 1.0))
+    def left(point: Iterate) -> Bool[Array, ""]:
+        return point.count - point.begun < iterations
 
+    def relaxing(point: Iterate) -> Iterate:
+        return begun(point, anew, hard & ~point.done & (point.relaxed == 0) & (point.proven | ~left(point)))
 
-def residuals(problem: QuadraticProgram, point: Iterate) -> tuple[Float[Array, "n"], Float[Array, "m"]]:
-    """Stationarity in x, and the task rows J x - y / L - v."""
-    by_rows = (problem.jacobian * point.dual_task[:, None]).sum(0)
-    stationarity = problem.cost * point.x + problem.linear + by_rows + point.dual_upper - point.dual_lower
-    rows = (problem.jacobian * point.x).sum(1) - point.dual_task / problem.slack_cost - problem.target
-    return stationarity, rows
+    def judged_step(point: Iterate) -> Iterate:
+        goal = goal_of(task, point.relaxed, smoothing)
+        point = step(task, goal, point)
+        proven = point.proven | proves_infeasible(problem, point.dual_task, point.dual_rows)
+        done = _converged(task, goal, point, smoothing)
+        return relaxing(point._replace(count=point.count + 1, done=done, proven=proven))
+
+    if warmed:
+        point = begun(point, cold(task, given(task, smoothing), 0 * one), ~point.done & ~point.proven)
+    point = jax.lax.while_loop(lambda point: ~point.done & left(point), judged_step, relaxing(point))
+    return point._replace(over=jnp.ones_like(point.done))
 
 
-def kkt_solve(
-    jacobian: Float[Array, "m n"], weight: Float[Array, "n"], factors: ldl.LDL, right_x, right_rows
-) -> tuple[Float[Array, "n"], Float[Array, "m"]]:
-    """Solves diag(1/weight) dx + J'dy = right_x, J dx - dy/L = right_rows by the Schur complement."""
-    weighted = weight * right_x
-    dy = ldl.solve(factors, (jacobian * weighted).sum(1) - right_rows)
-    return weighted - weight * (jacobian * dy[:, None]).sum(0), dy
-
-
-def _longest(point: Iterate, d: Direction) -> Float[Array, ""]:
-    """The step at which the first gap or multiplier would reach zero."""
-    shrink = jnp.stack(
-        [
-            d.x / point.gap_upper,
-            -d.x / point.gap_lower,
-            -d.dual_upper / point.dual_upper,
-            -d.dual_lower / point.dual_lower,
-        ]
-    )
-    return 1 / jnp.maximum(shrink.max(), 1e-3)
-
-
-def _advance(point: Iterate, d: Direction, length: Float[Array, ""]) -> Iterate:
-    return Iterate(
-        point.x + length * d.x,
-        point.gap_upper - length * d.x,
-        point.gap_lower + length * d.x,
-        point.dual_upper + length * d.dual_upper,
-        point.dual_lower + length * d.dual_lower,
-        point.dual_task + length * d.dual_task,
-    )
+def _converged(task: Task, goal: Goal, point: Iterate, smoothing: Float[Array, ""]) -> Bool[Array, ""]:
+    tolerance = _TOLERANCE[task.rows.dtype.name]
+    dual = jnp.abs(joined(point.dual_task, point.dual_rows))
+    # The least violation may be small beside the gradients that a step can meet on its way.
+    size = goal.keep * goal.gradient_size + (task.row_size * dual).max(initial=0.0)
+    flat = jnp.abs(point.stationarity).max() <= tolerance * size
+    met = jnp.abs(point.misses).max(initial=0.0) <= tolerance * (1e-3 + task.right_size)
+    # A central path that was asked for is met exactly; products that count as zero only have to be small.
+    off = jnp.abs(point.gap * point.dual - goal.target)
+    off_rows = jnp.abs(point.gap_rows * point.dual_rows - goal.target)
+    off = jnp.maximum(jnp.maximum(off[0], off[1]).max(), off_rows.max(initial=0.0))
+    return flat & met & (off <= jnp.where(smoothing > 0, 100 * tolerance, 1.0) * goal.target)

@@ -13,26 +13,34 @@ class LDL(NamedTuple):
     inverse: list[Array]
 
 
-def weighted_gram(
-    jacobian: Float[Array, "m n"], weight: Float[Array, "n"], ridge: Float[Array, "m"]
-) -> list[Array]:
-    """Columns, from the diagonal down, of J diag(w) J' + diag(ridge)."""
-    weighted = jacobian * weight
-    columns = [(weighted[j] * jacobian[j:]).sum(-1) for j in range(jacobian.shape[0])]
-    return [jnp.concatenate([column[:1] + ridge[j], column[1:]]) for j, column in enumerate(columns)]
+def weighted_gram(rows: Float[Array, "m n"], weight: Float[Array, "n"]) -> list[Array]:
+    """Columns, from the diagonal down, of G diag(w) G'."""
+    weighted = rows * weight
+    return [(weighted[j] * rows[j:]).sum(-1) for j in range(rows.shape[0])]
 
 
-def factor(columns: list[Array]) -> LDL:
-    """Factorises a matrix given by its columns from the diagonal down; no pivoting, no square roots."""
+def factor(columns: list[Array], lift: Float[Array, "n"]) -> LDL:
+    """Factorises the matrix given by its columns from the diagonal down, with `lift` added to its diagonal;
+    no pivoting, no square roots.
+    """
     lower, inverse, raw = [], [], []
     for j, column in enumerate(columns):
         for k in range(j):
             column = column - lower[k][j - k - 1] * raw[k][j - k :]
-        pivot = 1 / jnp.maximum(column[0], jnp.finfo(column.dtype).tiny)
+        pivot = 1 / jnp.maximum(column[0] + lift[j], jnp.finfo(column.dtype).tiny)
         raw.append(column)
         lower.append(column[1:] * pivot)
         inverse.append(pivot)
     return LDL(lower, inverse)
+
+
+def solve_lower(factors: LDL, right: Float[Array, "n r"]) -> Float[Array, "n r"]:
+    """Y of L Y = right: then right' A^-1 right = Y' D^-1 Y."""
+    rest, rows = right, []
+    for i in range(len(factors.inverse)):
+        rows.append(rest[0])
+        rest = rest[1:] - factors.lower[i][:, None] * rest[0]
+    return jnp.stack(rows)
 
 
 def solve(factors: LDL, right: Float[Array, "n"]) -> Float[Array, "n"]:
@@ -45,7 +53,7 @@ def solve(factors: LDL, right: Float[Array, "n"]) -> Float[Array, "n"]:
     solved: list[Array] = []
     for i in reversed(range(size)):
         value = forward[i] * factors.inverse[i]
-        if solved:
-            value = value - (factors.lower[i] * jnp.stack(solved)).sum()
+        for k, known in enumerate(solved):
+            value = value - factors.lower[i][k] * known
         solved.insert(0, value)
-    return jnp.stack(solved)
+    return jnp.stack(solved) if solved else right

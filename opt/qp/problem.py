@@ -3,27 +3,28 @@
 from enum import IntEnum
 
 import equinox as eqx
-import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Bool, Float, Int
+from jaxtyping import Array, ArrayLike, Bool, Float, Int
 
 
 class QuadraticProgram(eqx.Module):
-    """min over x, s of 1/2 x'Mx + c'x + 1/2 s'Ls  subject to  Jx + s = v,  lower <= x <= upper: S1-(10),
-    (11).
+    """min over x, s of 1/2 x'Mx + c'x + 1/2 s'R^-1 s  subject to  Jx + s = v,  Ax <= b,  lower <= x <= upper.
 
-    `s` is the slack on the task rows of S1's reference [26]; it makes every program with ordered bounds
-    feasible. It is eliminated in closed form, s = -y / L with the rows' multiplier y, and costs nothing.
+    S1-(10) and (11), with the slack s on the task rows of S1's reference [26]. The slack is eliminated in
+    closed form, s = -Ry with the rows' multiplier y, and costs nothing; a row whose compliance is 0 is a hard
+    equality.
 
-    cost: diagonal of M, positive. linear: c. jacobian: J. target: v. slack_cost: diagonal of L, positive; the
-    larger, the more a row is an equality.
+    hessian: M, its diagonal [n] or whole [n, n], positive semidefinite. linear: c. jacobian: J. target: v.
+    compliance: diagonal of R, 0 or more. rows, limit: A and b. lower, upper: bounds, which may be infinite.
     """
 
-    cost: Float[Array, "n"]
+    hessian: Float[Array, "n"] | Float[Array, "n n"]
     linear: Float[Array, "n"]
     jacobian: Float[Array, "m n"]
     target: Float[Array, "m"]
-    slack_cost: Float[Array, "m"]
+    compliance: Float[Array, "m"]
+    rows: Float[Array, "k n"]
+    limit: Float[Array, "k"]
     lower: Float[Array, "n"]
     upper: Float[Array, "n"]
 
@@ -32,26 +33,93 @@ class QPStatus(IntEnum):
     """How a solution ended."""
 
     SOLVED = 0
-    INFEASIBLE = 1  # a lower bound above its upper bound
+    INFEASIBLE = 1  # no x meets all hard rows and bounds; the value violates them least
     NOT_CONVERGED = 2  # a residual above the tolerance after the last iteration
-    NOT_FINITE = 3  # NaN or infinity in the problem; the value is zero
+    NOT_FINITE = 3  # NaN in the problem, or infinity outside its bounds; the value is zero
+
+
+class Duals(eqx.Module):
+    """Multipliers: of the task rows (either sign), of the inequality rows and bounds (0 or more)."""
+
+    task: Float[Array, "m"]
+    rows: Float[Array, "k"]
+    lower: Float[Array, "n"]
+    upper: Float[Array, "n"]
+
+
+class Residuals(eqx.Module):
+    """Largest violations: of stationarity (in units of c), of the task rows, of the inequality rows, and of
+    complementarity (multiplier times distance).
+    """
+
+    stationarity: Float[Array, ""]
+    task: Float[Array, ""]
+    rows: Float[Array, ""]
+    complementarity: Float[Array, ""]
 
 
 class QPSolution(eqx.Module):
     """Value and statistics of one solved program.
 
-    value: x, always finite and within the bounds (between them where they contradict each other). task_dual:
-    y, the multiplier of the task rows. residual: the largest violation of the optimality conditions, scaled.
-    status: a `QPStatus`.
+    value: x, always finite and within the bounds (between them where they contradict each other). iterations:
+    how many were made. status: a `QPStatus`.
     """
 
     value: Float[Array, "n"]
-    task_dual: Float[Array, "m"]
-    residual: Float[Array, ""]
+    dual: Duals
+    residuals: Residuals
+    iterations: Int[Array, ""]
     status: Int[Array, ""]
 
 
-def is_finite(problem: QuadraticProgram) -> Bool[Array, ""]:
-    """Whether no leaf of the problem holds NaN or infinity."""
-    flags = [jnp.isfinite(x).all() for x in jax.tree.leaves(problem)]
-    return jnp.stack(flags).all()
+def quadratic_program(
+    hessian: ArrayLike,
+    linear: ArrayLike,
+    *,
+    jacobian: ArrayLike | tuple[()] = (),
+    target: ArrayLike | tuple[()] = (),
+    compliance: ArrayLike = 0.0,
+    rows: ArrayLike | tuple[()] = (),
+    limit: ArrayLike | tuple[()] = (),
+    lower: ArrayLike = -jnp.inf,
+    upper: ArrayLike = jnp.inf,
+) -> QuadraticProgram:
+    """A program of which parts may be left out; shapes are filled in and checked.
+
+    Raises ValueError where shapes do not fit.
+    """
+    linear = jnp.asarray(linear)
+    n, dtype = linear.shape[0], linear.dtype
+    jacobian, rows = jnp.asarray(jacobian, dtype).reshape(-1, n), jnp.asarray(rows, dtype).reshape(-1, n)
+    m, k = jacobian.shape[0], rows.shape[0]
+    hessian = jnp.asarray(hessian, dtype)
+    program = QuadraticProgram(
+        (hessian + hessian.T) / 2 if hessian.ndim == 2 else hessian,
+        linear,
+        jacobian,
+        jnp.asarray(target, dtype),
+        jnp.broadcast_to(jnp.asarray(compliance, dtype), (m,)),
+        rows,
+        jnp.asarray(limit, dtype),
+        jnp.broadcast_to(jnp.asarray(lower, dtype), (n,)),
+        jnp.broadcast_to(jnp.asarray(upper, dtype), (n,)),
+    )
+    shapes = {"hessian": [(n,), (n, n)], "target": [(m,)], "limit": [(k,)]}
+    for name, allowed in shapes.items():
+        found = getattr(program, name).shape
+        if found not in allowed:
+            raise ValueError(f"{name}: found shape {found}, allowed: {' or '.join(map(str, allowed))}")
+    return program
+
+
+def is_usable(problem: QuadraticProgram) -> Bool[Array, ""]:
+    """Whether nothing is NaN, and nothing infinite but bounds that ask for nothing."""
+    inner = [problem.hessian, problem.linear, problem.jacobian, problem.target, problem.compliance]
+    total = (0 * problem.lower.clip(-1, jnp.inf) + 0 * problem.upper.clip(-jnp.inf, 1)).sum()
+    for x in [
+        *inner,
+        problem.rows,
+        problem.limit,
+    ]:  # 0 times infinity is NaN; along one axis a time is faster
+        total = total + ((0 * x).sum(0).sum() if x.size else 0)
+    return total == 0

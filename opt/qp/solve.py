@@ -2,111 +2,131 @@
 
 from typing import Any, cast
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float
 
-from opt.qp import ldl
-from opt.qp.interior_point import Iterate, iterate, kkt_solve, residuals
-from opt.qp.problem import QPSolution, QPStatus, QuadraticProgram, is_finite
+from opt.qp.interior_point import solve_path
+from opt.qp.iterate import Iterate, Start
+from opt.qp.problem import Duals, QPSolution, QPStatus, QuadraticProgram, Residuals
+from opt.qp.sensitivity import change_of_solution
 
 # Bounds nearer than this [unit of x] are moved apart for the iteration: it needs an inside.
-_LEAST_WIDTH = 1e-5
-# The complementarity that counts as zero, by precision.
-_SHARP = {"float32": 1e-9, "float64": 1e-14}
-_TOLERANCE = {"float32": 1e-3, "float64": 1e-7}
+_LEAST_WIDTH = 1e-6
+# Bounds further than this [unit of x] count as this far: an iteration cannot work with infinity.
+_FAR = 1e6
 
 
 def solve_qp(
-    problem: QuadraticProgram, *, smoothing: float | Array = 0.0, iterations: int = 12
+    problem: QuadraticProgram,
+    *,
+    smoothing: float | Array = 0.0,
+    iterations: int = 25,
+    fixed: bool = False,
+    start: QPSolution | None = None,
 ) -> QPSolution:
-    """Solves one program in a fixed number of iterations.
+    """Solves one program in at most `iterations` steps; most need 7 or 8.
 
     smoothing: the product of bound distance and multiplier at the solution. At 0 (and below float precision)
     the solution is exact and its gradient jumps where a bound becomes active; above it the solution is the
     point of the central path, smooth everywhere. Gradients, forward and reverse, are those of the smoothed
     conditions, by implicit differentiation, so they cost one more small solve.
+
+    A program whose hard rows and bounds contradict each other gets the x of the least violation (the root of
+    the summed squares of Jx - v and of what Ax exceeds b) and the status INFEASIBLE; the search for it begins
+    anew, with as many iterations. fixed: makes exactly `iterations` steps and looks at the last alone: for
+    programs inside of a loop, above all those whose rows are all soft. An infeasible program is recognised
+    then too, but its value is not the least violation. start: the solution of a program like this one, from
+    where it takes fewer steps; where it leads nowhere, the search begins anew without it.
+
+    Raises ValueError where both fixed and start are given: there is no room to begin anew.
     """
-    finite = is_finite(problem)
-    ordered = (problem.lower <= problem.upper).all()
-    usable = jax.tree.map(lambda a, b: jnp.where(finite, a, b), problem, _blank(problem))
-    dtype = problem.target.dtype.name
-    target = jnp.maximum(jnp.asarray(smoothing, problem.target.dtype), _SHARP[dtype])
-    x, dual, residual = _central(_with_inside(usable), target, iterations)
-    low, high = jnp.minimum(usable.lower, usable.upper), jnp.maximum(usable.lower, usable.upper)
-    status = jnp.where(residual <= _TOLERANCE[dtype], QPStatus.SOLVED, QPStatus.NOT_CONVERGED)
-    status = jnp.where(ordered, status, QPStatus.INFEASIBLE)
-    status = jnp.where(finite, status, QPStatus.NOT_FINITE)
-    return QPSolution(jnp.clip(x, low, high), dual, residual, status)
-
-
-def _blank(problem: QuadraticProgram) -> QuadraticProgram:
-    """A program with the solution zero, put in place of one that is not finite."""
-    zero = jax.tree.map(jnp.zeros_like, problem)
-    return QuadraticProgram(
-        zero.cost + 1,
-        zero.linear,
-        zero.jacobian,
-        zero.target,
-        zero.slack_cost + 1,
-        zero.lower - 1,
-        zero.upper + 1,
-    )
+    if fixed and start is not None:
+        raise ValueError("start: found together with fixed=True, allowed: with fixed=False")
+    ordered, inner = (problem.lower <= problem.upper).all(), _with_inside(problem)
+    target = jnp.asarray(smoothing, problem.linear.dtype)
+    first = None if start is None else jax.lax.stop_gradient(Start(start.value, start.dual))
+    point = _central(inner, first, target, iterations, fixed)
+    usable = point.usable
+    low, high = jnp.minimum(problem.lower, problem.upper), jnp.maximum(problem.lower, problem.upper)
+    solved = point.done & (point.relaxed == 0)
+    status = jnp.where(solved, QPStatus.SOLVED, QPStatus.NOT_CONVERGED)
+    status = jnp.where((solved | ~point.proven) & ordered, status, QPStatus.INFEASIBLE)
+    status = jnp.where(usable, status, QPStatus.NOT_FINITE)
+    shown = jax.tree.map(lambda a: jnp.where(usable, a, jnp.zeros_like(a)), point)
+    value = jnp.where(usable, jnp.clip(point.x, low, high), 0.0)
+    dual = Duals(shown.dual_task, shown.dual_rows, shown.dual[1], shown.dual[0])
+    return QPSolution(value, dual, _residuals(inner, point), point.count, status)
 
 
 def _with_inside(problem: QuadraticProgram) -> QuadraticProgram:
-    middle = (problem.lower + problem.upper) / 2
-    half = jnp.maximum((problem.upper - problem.lower) / 2, _LEAST_WIDTH / 2)
-    return QuadraticProgram(
-        problem.cost,
-        problem.linear,
-        problem.jacobian,
-        problem.target,
-        problem.slack_cost,
-        middle - half,
-        middle + half,
-    )
+    lower, upper = jnp.maximum(problem.lower, -_FAR), jnp.minimum(problem.upper, _FAR)
+    middle, half = (lower + upper) / 2, jnp.maximum((upper - lower) / 2, _LEAST_WIDTH / 2)
+    return eqx.tree_at(lambda p: (p.lower, p.upper), problem, (middle - half, middle + half))
 
 
-def _central(problem: QuadraticProgram, smoothing: Float[Array, ""], iterations: int):
-    """x, y and the residual, with the derivative of the central path's conditions attached."""
+def _central(
+    problem: QuadraticProgram, start: Start | None, smoothing: Float[Array, ""], iterations: int, fixed: bool
+) -> Iterate:
+    """The last iterate; x and the multipliers carry the derivative of the central path's conditions."""
 
     @jax.custom_jvp
-    def point(problem, smoothing):
-        final = iterate(problem, smoothing, iterations)
-        return final.x, final.dual_task, _worst(problem, final, smoothing)
+    def solution(problem, start, smoothing):
+        return solve_path(problem, start, smoothing, iterations, fixed)
 
-    @point.defjvp
+    @solution.defjvp
     def _(primals, tangents):
-        problem, smoothing = primals
-        final = iterate(problem, smoothing, iterations)
-        dx, dy = _differentiate(problem, final, cast(Any, tangents[0]), tangents[1])
-        residual = _worst(problem, final, smoothing)
-        return (final.x, final.dual_task, residual), (dx, dy, jnp.zeros_like(residual))
+        problem, start, smoothing = primals
+        point = solution(problem, start, smoothing)
+        change, d_smoothing = cast(Any, tangents[0]), tangents[2]
+        # What is not finite gets no derivative, rather than one that is NaN.
+        tame, base, change, d_smoothing = jax.tree.map(
+            lambda a, b: jnp.where(point.usable, a, b),
+            (problem, point, change, d_smoothing),
+            (_blank(problem), jax.tree.map(jnp.ones_like, point), *_zeros((change, d_smoothing))),
+        )
+        x, dual, task, rows = change_of_solution(tame, base, smoothing, change, d_smoothing)
+        still = jax.tree.map(_no_tangent, point)
+        return point, still._replace(x=x, dual=dual, dual_task=task, dual_rows=rows)
 
-    return point(problem, smoothing)
+    return solution(problem, start, smoothing)
 
 
-def _worst(problem: QuadraticProgram, point: Iterate, smoothing: Float[Array, ""]) -> Float[Array, ""]:
-    stationarity, rows = residuals(problem, point)
-    products = jnp.maximum(point.gap_upper * point.dual_upper, point.gap_lower * point.dual_lower)
-    scale = 1 + jnp.abs(problem.jacobian * point.dual_task[:, None]).sum(0)
-    return jnp.maximum(
-        jnp.maximum((jnp.abs(stationarity) / scale).max(), jnp.abs(rows).max()), products.max() - smoothing
+def _zeros(tree):
+    return jax.tree.map(jnp.zeros_like, tree)
+
+
+def _blank(problem: QuadraticProgram) -> QuadraticProgram:
+    """Ones and zeros, put in place of a program that is not finite."""
+    zero = _zeros(problem)
+    whole = zero.hessian + (1 if problem.hessian.ndim == 1 else jnp.eye(problem.linear.shape[0]))
+    return eqx.tree_at(lambda p: (p.hessian, p.compliance), zero, (whole, zero.compliance + 1))
+
+
+def _no_tangent(x: Array):
+    """Zero as the tangent of what carries no derivative; whole numbers and flags have a type of their own."""
+    if jnp.issubdtype(x.dtype, jnp.floating):
+        return jnp.zeros_like(x)
+    return np.zeros(x.shape, jax.dtypes.float0)
+
+
+def _residuals(problem: QuadraticProgram, point: Iterate) -> Residuals:
+    """How far the conditions of the given program are from being met, whatever the iterate worked on."""
+    problem, point = jax.lax.stop_gradient((problem, point))
+    along = problem.hessian * point.x if problem.hessian.ndim == 1 else (problem.hessian * point.x).sum(1)
+    pull = (problem.jacobian * point.dual_task[:, None]).sum(0) + (
+        problem.rows * point.dual_rows[:, None]
+    ).sum(0)
+    stationarity = along + problem.linear + pull + point.dual[0] - point.dual[1]
+    rows = (problem.jacobian * point.x).sum(1) - problem.compliance * point.dual_task - problem.target
+    over = jnp.maximum((problem.rows * point.x).sum(1) - problem.limit, 0.0)
+    products = (point.gap * point.dual).max(), (point.gap_rows * point.dual_rows).max(initial=0.0)
+    found = Residuals(
+        jnp.abs(stationarity).max(),
+        jnp.abs(rows).max(initial=0.0),
+        over.max(initial=0.0),
+        jnp.maximum(*products),
     )
-
-
-def _differentiate(problem: QuadraticProgram, point: Iterate, change: QuadraticProgram, d_smoothing):
-    """Change of x and y when problem and smoothing change: the linearised conditions, solved once.
-
-    With W = 1 / (M + z_u/s_u + z_l/s_l):  dx/W + J'dy = g  and  J dx - dy/L = h.
-    """
-    ratio_upper, ratio_lower = point.dual_upper / point.gap_upper, point.dual_lower / point.gap_lower
-    weight = 1 / (problem.cost + ratio_upper + ratio_lower)
-    factors = ldl.factor(ldl.weighted_gram(problem.jacobian, weight, 1 / problem.slack_cost))
-    g = -(change.cost * point.x + change.linear + (change.jacobian * point.dual_task[:, None]).sum(0))
-    g = g + ratio_upper * change.upper + ratio_lower * change.lower
-    g = g - d_smoothing / point.gap_upper + d_smoothing / point.gap_lower
-    h = change.target - (change.jacobian * point.x).sum(1)
-    h = h - point.dual_task * change.slack_cost / problem.slack_cost**2
-    return kkt_solve(problem.jacobian, weight, factors, g, h)
+    return jax.tree.map(lambda a: jnp.where(point.usable, a, jnp.inf), found)

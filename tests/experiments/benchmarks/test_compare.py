@@ -1,6 +1,6 @@
 import pytest
 
-from experiments.benchmarks.compare import compare
+from experiments.benchmarks.compare import compare, rate
 
 
 def test_compare_alternates_and_takes_medians_without_the_first_call():
@@ -20,3 +20,9 @@ def test_compare_alternates_and_takes_medians_without_the_first_call():
 def test_compare_needs_a_round():
     with pytest.raises(ValueError, match="rounds: at least 1"):
         compare("qp-box", lambda: 1.0, lambda: 1.0, "DAQP", rounds=0)
+
+
+def test_a_rate_counts_every_call():
+    calls = []
+    found = rate(lambda: calls.append(0), 10)
+    assert found == pytest.approx(10 * len(calls) / 0.3, rel=0.05)

@@ -3,7 +3,12 @@ import pytest
 
 pytest.importorskip("daqp", reason="needs the extra `bench`")
 
-from experiments.benchmarks.serial_loop_peer import SerialLoop, circle_twist, control_steps_per_second
+from experiments.benchmarks.serial_loop_peer import (
+    SerialLoop,
+    SerialLoops,
+    circle_twist,
+    control_steps_per_second,
+)
 
 
 def test_the_brush_follows_its_circle():
@@ -21,3 +26,8 @@ def test_the_brush_follows_its_circle():
 
 def test_it_has_a_rate():
     assert control_steps_per_second(steps=20) > 0
+
+
+def test_two_loops_at_once():
+    with SerialLoops(2) as loops:
+        assert loops.rate(steps=20) > 0
