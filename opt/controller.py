@@ -35,7 +35,7 @@ class Decision(NamedTuple):
 
     rate: how fast the clock of the plan may go on (1 in time, 0 waits). planned: brush position that the plan
     asks for now [m]. pen: 1 down. halted: 1 while the base is halted. fault: not 0 where the program of this
-    step was not solved (`QPStatus`).
+    step was not solved, or the target was given up (`ControlStatus`).
     """
 
     command: Command
@@ -46,6 +46,16 @@ class Decision(NamedTuple):
     fault: Int[Array, ""]
 
 
+class Surface(NamedTuple):
+    """The tangent plane of the mapped surface before the brush. point, normal (unit, out of the wall): map
+    frame [m]. known: 1, or 0 where the plan has no surface there.
+    """
+
+    point: Float[Array, "3"]
+    normal: Float[Array, "3"]
+    known: Float[Array, ""]
+
+
 class Controller(eqx.Module):
     """Follows a plan on the plan's own clock."""
 
@@ -54,6 +64,10 @@ class Controller(eqx.Module):
     @abc.abstractmethod
     def initial(self, measured: Measured) -> PyTree:
         """What the controller remembers at the start."""
+
+    @abc.abstractmethod
+    def surface(self, clock: Float[Array, ""]) -> Surface | None:
+        """What the plan knows of the surface at plan time `clock` [s]; None where it never knows any."""
 
     @abc.abstractmethod
     def decide(

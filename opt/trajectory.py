@@ -25,7 +25,8 @@ class TrajectoryMemory(eqx.Module):
 class TrajectoryController(Controller):
     """Feeds planned velocities forward, with feedback on odometry and encoders, each joint for itself.
 
-    The arm does not make good what the base misses: that is what the whole-body controller is for.
+    The arm does not make good what the base misses: that is what the whole-body controller is for. The base's
+    plan may go any way in the plane: for a differential base it is refused (`sims.robots.checks`).
 
     plan: rows of positions (base x, y, yaw in the map frame, arm), as many velocities, and the pen. gain:
     feedback [1/s].
@@ -39,6 +40,9 @@ class TrajectoryController(Controller):
     def initial(self, measured: Measured) -> TrajectoryMemory:
         """Nothing to remember."""
         return TrajectoryMemory()
+
+    def surface(self, clock) -> None:
+        """Nothing: joints alone are planned."""
 
     def decide(
         self, memory: TrajectoryMemory, measured: Measured, clock, dt

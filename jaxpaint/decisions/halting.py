@@ -39,10 +39,10 @@ def update_halt(
     travelled: base travel of the last step as odometry sees it [m]; never the true one. distance: how far the
     brush is from its best place before the arm [m]. arrived: 1 when the base stands where it was sent; it
     halts then too. worthwhile: 1 where the way to go is worth a start. With Theta infinite the latch is off:
-    the base is never halted.
+    the base is never halted, unless it parks.
     """
     t = thresholds
-    enabled = jnp.isfinite(t.halt_travel).astype(travelled.dtype)
+    enabled = (jnp.isfinite(t.halt_travel) | (t.park > 0)).astype(travelled.dtype)
     travel = state.travel + travelled * (1 - state.halted)
     stop = jnp.maximum(exceeds(travel, t.halt_travel, t.halt_temperature), arrived) * (1 - state.halted)
     rested = (state.rest >= t.dwell).astype(travelled.dtype)

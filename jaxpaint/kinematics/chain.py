@@ -71,7 +71,11 @@ def jacobian(chain: KinematicChain, q: Float[Array, " joints"]) -> tuple[Pose, F
 
     Rows as MuJoCo's mj_jacSite, in the map: three linear [m/s], three angular [rad/s].
     """
-    links = frames(chain, q)
+    return tool_jacobian(chain, frames(chain, q))
+
+
+def tool_jacobian(chain: KinematicChain, links: Pose) -> tuple[Pose, Float[Array, "6 joints"]]:
+    """`jacobian` from the chain's frames, where these are needed for more."""
     pose = tool_pose(chain, links)
     axis = links.R[..., 2]
     hinges = _hinges(chain)[:, None]

@@ -3,7 +3,7 @@
 from jaxpaint.steering.angles import wrap
 from jaxpaint.steering.casters import CasterWheels
 from jaxpaint.steering.differential import DifferentialWheels, differential
-from jaxpaint.steering.drive import AbstractDrive, Odometry, WheelMotion
+from jaxpaint.steering.drive import AbstractDrive, Odometry, Stance, Step, WheelMotion
 from jaxpaint.steering.limits import Driven, Limited, driven, limited
 from jaxpaint.steering.odometry import rigid_twist
 from jaxpaint.steering.rollers import RollerWheels, mecanum
@@ -17,7 +17,9 @@ __all__ = [
     "Limited",
     "Odometry",
     "RollerWheels",
+    "Stance",
     "SteeredWheels",
+    "Step",
     "WheelCommands",
     "WheelMotion",
     "differential",

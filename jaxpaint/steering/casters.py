@@ -1,4 +1,4 @@
-"""Driven casters: steered wheels whose contacts lie an offset l > 0 from their steering axes.
+"""Driven casters: steered wheels whose contacts lie an offset l from their steering axes.
 
 The contact lies at l u from the axis (a, b), u = (cos phi, sin phi) the rolling direction, n = (-sin phi,
 cos phi). The axis moves with V = (v_x - w b, v_y + w a), S1-(8), and the contact with V + (w + phi') l n. It
@@ -16,21 +16,22 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from jaxpaint.steering.drive import AbstractDrive, Odometry, WheelMotion
-from jaxpaint.steering.limits import limited
+from jaxpaint.steering.drive import AbstractDrive, Odometry, Stance, Step, WheelMotion
+from jaxpaint.steering.limits import limited, share
 from jaxpaint.steering.odometry import point_velocity, rigid_residual, rigid_twist
 
 
 class CasterWheels(AbstractDrive):
     """position: (a_i, b_i) of the steering axes in the base frame [m]. offset: l, from the axis to the
-    contact along the rolling direction [m], above 0. rate_limit: of the steering angles [rad/s]. speed_limit:
-    of the rims [m/s].
+    contact along the rolling direction [m], not 0; below 0 the contact trails at angle 0, as those of most
+    casters do: the same wheel half a turn round. rate_limit: of the steering angles [rad/s]. speed_limit: of
+    the rims [m/s].
 
-    With psi the direction of V, phi' = -(|V| / l) sin(psi - phi) - w. At w = 0 two angles stay: pushed (phi =
-    psi, the contact ahead of its axis), where a deviation grows as exp(|V| t / l), and pulled (half a turn
-    off: the contact trails, the rim turns backwards), where it dies out as fast. The law follows the twist
-    and flees neither: a wheel that is pushed comes round by itself. Where |V| < l |w| no angle stays: the
-    wheel turns on and on.
+    With l > 0 and psi the direction of V, phi' = -(|V| / l) sin(psi - phi) - w. At w = 0 two angles stay:
+    pushed (phi = psi, the contact ahead of its axis), where a deviation grows as exp(|V| t / l), and pulled
+    (half a turn off: the contact trails, the rim turns backwards), where it dies out as fast. The law follows
+    the twist and flees neither: a wheel that is pushed comes round by itself. Where |V| < l |w| no angle
+    stays: the wheel turns on and on.
     """
 
     position: Float[Array, "w 2"]
@@ -39,13 +40,13 @@ class CasterWheels(AbstractDrive):
     speed_limit: Float[Array, ""]
 
     def __check_init__(self):
-        """Raises a ValueError for an offset that is 0 or below; where it is traced, nobody can tell."""
+        """Raises a ValueError for an offset that is 0 or no number; where it is traced, nobody can tell."""
         try:
             offset = np.asarray(self.offset)
         except jax.errors.TracerArrayConversionError:
             return
-        if not (offset > 0).all():
-            raise ValueError(f"offset: {offset} m; allowed: above 0 (for 0 take SteeredWheels)")
+        if not (np.isfinite(offset) & (offset != 0)).all():
+            raise ValueError(f"offset: {offset} m; allowed: any number but 0 (for 0 take SteeredWheels)")
 
     @property
     def size(self) -> int:
@@ -77,12 +78,14 @@ class CasterWheels(AbstractDrive):
 
     def load(self, twist, angle):
         """Of the rims and of the steering axes."""
-        rim = jnp.abs(self.rolled(twist, angle)).max() / self.speed_limit
-        return jnp.maximum(rim, jnp.abs(self.rates(twist, angle)).max() / self.rate_limit)
+        return self._load(self.rolled(twist, angle), self.rates(twist, angle))
 
-    def motion(self, twist, angle, dt):
-        """At the step's start."""
-        return WheelMotion(angle, self.rolled(twist, angle), self.rates(twist, angle))
+    def step(self, twist, steer_twist, stance, dt):
+        """Rims and rates at the step's start, held. At rest nothing turns."""
+        speed, rate = self.rolled(twist, stance.angle), self.rates(twist, stance.angle)
+        scale = share(self._load(speed, rate))
+        motion = WheelMotion(stance.angle, scale * speed, scale * rate)
+        return Step(Stance(stance.angle + motion.rate * dt, stance.way), motion, scale)
 
     def odometry(self, motion):
         """Rolling and no slip of every wheel.
@@ -106,3 +109,7 @@ class CasterWheels(AbstractDrive):
     def readiness(self, twist, angle):
         """Always."""
         return jnp.ones_like(twist[0])
+
+    def _load(self, speed, rate):
+        """See `load`."""
+        return jnp.maximum(jnp.abs(speed).max() / self.speed_limit, jnp.abs(rate).max() / self.rate_limit)

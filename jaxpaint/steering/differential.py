@@ -3,7 +3,8 @@
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from jaxpaint.steering.drive import AbstractDrive, Odometry, WheelMotion
+from jaxpaint.steering.drive import AbstractDrive, Odometry, Step, WheelMotion
+from jaxpaint.steering.limits import share
 from jaxpaint.steering.odometry import rigid_residual, rigid_twist
 
 
@@ -42,9 +43,11 @@ class DifferentialWheels(AbstractDrive):
         """Of the rims."""
         return jnp.abs(self.rolled(twist, angle)).max() / self.speed_limit
 
-    def motion(self, twist, angle, dt):
+    def step(self, twist, steer_twist, stance, dt):
         """Rims at once at their speed."""
-        return WheelMotion(angle, self.rolled(twist, angle), jnp.zeros_like(angle))
+        speed = self.rolled(twist, stance.angle)
+        scale = share(jnp.abs(speed).max() / self.speed_limit)
+        return Step(stance, WheelMotion(stance.angle, scale * speed, jnp.zeros_like(speed)), scale)
 
     def odometry(self, motion):
         """Rolling and no slip of every wheel; two wheels always agree."""

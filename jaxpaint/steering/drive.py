@@ -17,6 +17,26 @@ class WheelMotion(NamedTuple):
     rate: Float[Array, "w"]
 
 
+class Stance(NamedTuple):
+    """How wheels stand. angle: of the steering axes [rad], 0 where nothing steers. way: 1 for a wheel that
+    was last to roll forwards, -1 backwards, 0 for one that was not told yet; see `wheel_commands`. It stays
+    as it is where wheels have no choice.
+    """
+
+    angle: Float[Array, "w"]
+    way: Float[Array, "w"]
+
+
+class Step(NamedTuple):
+    """What wheels are told for one step. stance: at its end. motion: what the encoders read meanwhile. scale:
+    share of the twist that the limits left, in [0, 1].
+    """
+
+    stance: Stance
+    motion: WheelMotion
+    scale: Float[Array, ""]
+
+
 class Odometry(NamedTuple):
     """twist: the one that fits the wheels best. residual: root mean square of what its equations are off by
     [m/s]; 0 where wheels agree.
@@ -49,7 +69,10 @@ class AbstractDrive(eqx.Module):
     def steered(
         self, twist: Float[Array, "3"], angle: Float[Array, "w"], dt: Float[Array, ""]
     ) -> Float[Array, "w"]:
-        """Angles after `dt` [s] of turning towards what the twist asks for, within the rate limit."""
+        """Angles after `dt` [s] of turning towards what the twist asks for, within the rate limit.
+
+        Without memory of the way that wheels went: see `step`.
+        """
 
     @abc.abstractmethod
     def rolled(self, twist: Float[Array, "3"], angle: Float[Array, "w"]) -> Float[Array, "w"]:
@@ -63,8 +86,14 @@ class AbstractDrive(eqx.Module):
         """
 
     @abc.abstractmethod
-    def motion(self, twist: Float[Array, "3"], angle: Float[Array, "w"], dt: Float[Array, ""]) -> WheelMotion:
-        """What the encoders read while the twist is driven for `dt` [s] by wheels that stood at `angle`."""
+    def step(
+        self, twist: Float[Array, "3"], steer_twist: Float[Array, "3"], stance: Stance, dt: Float[Array, ""]
+    ) -> Step:
+        """One step of `dt` [s]: rims roll the twist, scaled whole to be within the limits.
+
+        What has to turn before it rolls turns towards `steer_twist`, which may be ahead of the twist, or
+        asked for at rest. What turns by rolling does not mind it.
+        """
 
     @abc.abstractmethod
     def odometry(self, motion: WheelMotion) -> Odometry:

@@ -4,7 +4,8 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from jaxpaint.kinematics.small_solve import gram, solve_spd
-from jaxpaint.steering.drive import AbstractDrive, Odometry, WheelMotion
+from jaxpaint.steering.drive import AbstractDrive, Odometry, Step, WheelMotion
+from jaxpaint.steering.limits import share
 from jaxpaint.steering.odometry import root_mean_square
 
 
@@ -39,9 +40,11 @@ class RollerWheels(AbstractDrive):
         """Of the rims."""
         return jnp.abs(self.rolled(twist, angle)).max() / self.speed_limit
 
-    def motion(self, twist, angle, dt):
+    def step(self, twist, steer_twist, stance, dt):
         """Rims at once at their speed."""
-        return WheelMotion(angle, self.rolled(twist, angle), jnp.zeros_like(angle))
+        speed = self.rolled(twist, stance.angle)
+        scale = share(jnp.abs(speed).max() / self.speed_limit)
+        return Step(stance, WheelMotion(stance.angle, scale * speed, jnp.zeros_like(speed)), scale)
 
     def odometry(self, motion):
         """One equation for each wheel: its rim; the rollers leave the rest open."""

@@ -16,7 +16,8 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from jaxpaint.steering.angles import wrap
-from jaxpaint.steering.drive import AbstractDrive, Odometry, WheelMotion
+from jaxpaint.steering.drive import AbstractDrive, Odometry, Stance, Step, WheelMotion
+from jaxpaint.steering.limits import share
 from jaxpaint.steering.odometry import point_velocity, rigid_residual, rigid_twist
 
 
@@ -56,9 +57,7 @@ class SteeredWheels(AbstractDrive):
 
     def steered(self, twist, angle, dt):
         """Towards the nearer of the two angles that fit, at the rate limit."""
-        target = wheel_commands(self, twist, angle).angle
-        step = self.rate_limit * dt
-        return angle + jnp.clip(target - angle, -step, step)
+        return angle + self._turned(_turns(self, twist, angle, 0.0).turn, dt)
 
     def rolled(self, twist, angle):
         """The part of each contact velocity that lies along the wheel's present direction.
@@ -72,13 +71,14 @@ class SteeredWheels(AbstractDrive):
         """Of the rims alone: the angle that a twist asks for is the same however slow it is."""
         return jnp.abs(self.rolled(twist, angle)).max() / self.speed_limit
 
-    def motion(self, twist, angle, dt):
+    def step(self, twist, steer_twist, stance, dt):
         """Wheels turn first, as far as they come, and roll as they then stand."""
-        turned = self.steered(twist, angle, dt)
-        rate = (wheel_commands(self, twist, angle).angle - angle) / dt
-        return WheelMotion(
-            turned, self.rolled(twist, turned), jnp.clip(rate, -self.rate_limit, self.rate_limit)
-        )
+        turn, way = _turns(self, steer_twist, *stance)
+        turned = self._turned(turn, dt)
+        angle = stance.angle + turned
+        speed = self.rolled(twist, angle)
+        scale = share(jnp.abs(speed).max() / self.speed_limit)
+        return Step(Stance(angle, way), WheelMotion(angle, scale * speed, turned / dt), scale)
 
     def odometry(self, motion):
         """Rolling and no slip of every wheel: a turning axis moves no contact that lies under it."""
@@ -97,6 +97,11 @@ class SteeredWheels(AbstractDrive):
         size = jnp.sqrt((v**2).sum(-1) + 1e-12)
         worst = jnp.where(size > 1e-3, along / size, 1.0).min()
         return jnp.clip((worst - 0.95) / 0.04, 0.0, 1.0)
+
+    def _turned(self, turn, dt):
+        """What of turns is done after `dt` [s]."""
+        most = self.rate_limit * dt
+        return jnp.clip(turn, -most, most)
 
 
 def holonomic(
@@ -137,15 +142,30 @@ def wheel_commands(
     Below `wheels.still` a wheel keeps angle and way, and rolls what of the velocity lies along it; at zero
     speed that is 0.
     """
+    turn, now = _turns(wheels, twist, angle, way)
+    target = angle + turn
+    return WheelCommands(target, wheels.rolled(twist, target), now)
+
+
+class _Turns(NamedTuple):
+    """turn: to where each axis should be [rad]. way: see `WheelCommands`."""
+
+    turn: Float[Array, "w"]
+    way: Float[Array, "w"]
+
+
+def _turns(
+    wheels: SteeredWheels, twist: Float[Array, "3"], angle: Float[Array, "w"], way: float | Float[Array, "w"]
+) -> _Turns:
+    """See `wheel_commands`."""
     velocity = point_velocity(twist, wheels.position)
     moving = (velocity**2).sum(-1) > wheels.still**2
     x, y = jnp.where(moving, velocity[:, 0], 1.0), jnp.where(moving, velocity[:, 1], 0.0)
     turn = wrap(jnp.arctan2(y, x) - angle)
-    back = jnp.abs(turn) > jnp.pi / 2 + way * wheels.margin / 2
-    turn = jnp.where(back, wrap(turn + jnp.pi), turn)
-    target = angle + jnp.where(moving, turn, 0.0)
-    now = 1 - 2 * back.astype(target.dtype)
-    return WheelCommands(target, wheels.rolled(twist, target), jnp.where(moving, now, way))
+    back = jnp.abs(turn) > jnp.pi / 2 + way * (wheels.margin / 2)
+    turn = jnp.where(back, turn - jnp.sign(turn) * jnp.pi, turn)
+    now = 1 - 2 * back.astype(turn.dtype)
+    return _Turns(jnp.where(moving, turn, 0.0), jnp.where(moving, now, way))
 
 
 def _along(angle: Float[Array, "w"], speed: Float[Array, "w"]) -> Float[Array, "w 2"]:

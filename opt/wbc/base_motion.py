@@ -1,4 +1,4 @@
-"""Where the base should go and how fast: the low-speed rule S1-(12) and the halt S1-(13)."""
+"""Where the base should go and how fast: the station, the latch S1-(13) and the speed S1-(12)."""
 
 from typing import NamedTuple
 
@@ -9,25 +9,30 @@ from jaxtyping import Array, Float
 from jaxpaint.decisions.halting import HaltState, update_halt
 from jaxpaint.decisions.thresholds import Thresholds
 from jaxpaint.steering import AbstractDrive, wrap
-from opt.wbc.settings import ControllerSettings
+from opt.wbc.limits.low_speed import is_signed
+from opt.wbc.polar import polar_twist
 
 # A base nearer to its station than this has arrived [m].
 _ARRIVED = 0.01
 # A halted base does not start for less than this way [m]: every start costs time and scrub.
 _WORTH_A_START = 0.12
+# Further than any margin of reach [m].
+_ANYWHERE = 1e3
 # Approach speed per metre that is left [1/s], and the least speed, six times the dead band [m/s].
 _APPROACH, _LEAST = 1.5, 0.03
 
 
 class BaseDemand(NamedTuple):
     """velocity: demanded base velocity in the map frame (x, y [m/s], yaw [rad/s]). gate: 1 where the base may
-    move. steer: 1 while the wheels should turn towards the demand. halt: the latch.
+    move. steer: 1 while the wheels should turn towards the demand. halt: the latch. waits: 1 while the plan
+    waits for the base.
     """
 
     velocity: Float[Array, "3"]
     gate: Float[Array, ""]
     steer: Float[Array, ""]
     halt: HaltState
+    waits: Float[Array, ""]
 
 
 class Situation(eqx.Module):
@@ -35,7 +40,8 @@ class Situation(eqx.Module):
 
     base: pose (x, y, yaw). station: pose it should take for what comes next. home: brush in the base frame
     where the arm works best (x, y [m]). brush: (x, y) of the reference [m]. heading: yaw of the reference's
-    brush axis [rad]. speed: of the reference [m/s]. travelled: base travel of the last step [m].
+    brush axis [rad]. pen: 1 while it is down. speed: of the reference [m/s]. travelled: base travel of the
+    last step [m].
     """
 
     base: Float[Array, "3"]
@@ -43,6 +49,7 @@ class Situation(eqx.Module):
     home: Float[Array, "2"]
     brush: Float[Array, "2"]
     heading: Float[Array, ""]
+    pen: Float[Array, ""]
     speed: Float[Array, ""]
     travelled: Float[Array, ""]
 
@@ -54,46 +61,63 @@ def demand_base(
     speed_limit: Float[Array, "3"],
     state: HaltState,
     thresholds: Thresholds,
-    settings: ControllerSettings,
+    lever: Float[Array, ""],
     dt: Float[Array, ""],
 ) -> BaseDemand:
     """One decision: station, latch, speed, and whether the wheels are ready.
 
-    With the low-speed rule off nothing is demanded, and the gate is the latch alone.
+    With the low-speed rule off or as printed nothing is demanded, and the gate is the latch alone. A base
+    that parks is let go by the pen, whatever the reach and the way, and stays while the pen is down.
     """
-    s, lever = situation, settings.yaw_lever
+    s = situation
     offset = jnp.stack(
         [s.station[0] - s.base[0], s.station[1] - s.base[1], wrap(s.station[2] - s.base[2]) * lever]
     )
     left = _length(offset)
-    ruled = (thresholds.low_speed_scale > 0).astype(left.dtype)
-    arrived = (left < _ARRIVED).astype(left.dtype) * ruled
-    worthwhile = jnp.maximum((left >= _WORTH_A_START).astype(left.dtype), 1 - ruled)
-    far = stretch(s.base, s.brush, s.heading, s.home, lever)
-    halt = update_halt(state, s.travelled, far, arrived, worthwhile, thresholds, dt)
+    signed = is_signed(thresholds).astype(left.dtype)
+    arrived = (left < _ARRIVED).astype(left.dtype) * signed
+    parks, down = thresholds.park > 0, s.pen > 0.5
+    worthwhile = jnp.maximum((left >= _WORTH_A_START).astype(left.dtype), 1 - signed)
+    worthwhile = jnp.where(parks, 1.0 - down, worthwhile)
+    far = jnp.where(parks, _ANYWHERE, stretch(s.base, s.brush, s.heading, s.home, lever))
+    stay = jnp.maximum(arrived, parks & down)
+    halt = update_halt(state, s.travelled, far, stay, worthwhile, thresholds, dt)
     free = 1 - halt.halted
-    pace = (
-        jnp.clip(_APPROACH * left, _LEAST, jnp.maximum(thresholds.low_speed_scale * s.speed, _LEAST)) * ruled
-    )
-    velocity = (
-        pace
-        * offset
-        / jnp.maximum(left, 1e-6)
-        / jnp.stack([jnp.ones_like(lever), jnp.ones_like(lever), lever])
-    )
-    velocity = (
-        velocity
-        * jnp.minimum(1.0, 1 / jnp.maximum((jnp.abs(velocity) / speed_limit).max(), 1e-9))
-        * (1 - arrived)
-    )
+    fastest = jnp.maximum(thresholds.low_speed_scale * s.speed, _LEAST)
+    if drive.nonholonomic_rows.shape[0]:
+        row = drive.nonholonomic_rows[0]
+        twist = polar_twist(s.base, s.station, row, lever, _APPROACH, (_LEAST, fastest))
+        velocity = map_velocity(twist, s.base[2]) * signed
+    else:
+        velocity = _straight(offset, left, jnp.clip(_APPROACH * left, _LEAST, fastest) * signed, lever)
+    share = jnp.minimum(1.0, 1 / jnp.maximum((jnp.abs(velocity) / speed_limit).max(), 1e-9))
+    velocity = velocity * share * (1 - arrived)
     ready = drive.readiness(body_twist(velocity, s.base[2]), wheel_angle)
-    return BaseDemand(velocity, free * jnp.where(ruled > 0, ready, 1.0), free, halt)
+    waits = (parks & ~down) * (1 - arrived)
+    return BaseDemand(velocity, free * jnp.where(signed > 0, ready, 1.0), free, halt, waits)
+
+
+def base_at_rest(state: HaltState) -> BaseDemand:
+    """The decision of an arm that has no base: halted for ever."""
+    zero = jnp.zeros_like(state.halted)
+    return BaseDemand(jnp.zeros_like(zero, shape=(3,)), zero, zero, state, zero)
+
+
+def _straight(offset: Float[Array, "3"], left, pace, lever) -> Float[Array, "3"]:
+    """The velocity that makes up for x, y and yaw at once."""
+    one = jnp.ones_like(lever)
+    return pace * offset / jnp.maximum(left, 1e-6) / jnp.stack([one, one, lever])
 
 
 def body_twist(velocity: Float[Array, "3"], yaw: Float[Array, ""]) -> Float[Array, "3"]:
     """A base velocity in the map frame as twist in the base frame, S1-(8)."""
     c, s = jnp.cos(yaw), jnp.sin(yaw)
     return jnp.stack([c * velocity[0] + s * velocity[1], c * velocity[1] - s * velocity[0], velocity[2]])
+
+
+def map_velocity(twist: Float[Array, "3"], yaw: Float[Array, ""]) -> Float[Array, "3"]:
+    """A base twist in the base frame as velocity in the map frame."""
+    return body_twist(twist, -yaw)
 
 
 def stretch(

@@ -1,51 +1,50 @@
 """The closed-loop whole-body controller: tasks and limits add up to one QP, S1-(10) to (13)."""
 
+from enum import IntEnum
+
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Bool, Float
 
 from jaxpaint.decisions.halting import HaltState, initial_halt
 from jaxpaint.decisions.thresholds import Thresholds
-from jaxpaint.kinematics.chain import KinematicChain, jacobian
-from jaxpaint.kinematics.manipulability import manipulability_gradient
-from jaxpaint.steering import AbstractDrive
-from opt.controller import Command, Controller, Decision, Measured
+from jaxpaint.kinematics import frames, tool_jacobian
+from opt.controller import Command, Controller, Decision, Measured, Surface
 from opt.plan import Samples
-from opt.qp import QuadraticProgram, solve_qp
-from opt.wbc.base_motion import BaseDemand, Situation, body_twist, demand_base
-from opt.wbc.limits import Bounds, damped, demanded_motion_bounds, joined, speed_bounds, within_acceleration
+from opt.qp import QPSolution, QPStatus, QuadraticProgram, solve_qp
+from opt.wbc.base_motion import BaseDemand, Situation, base_at_rest, body_twist, demand_base
+from opt.wbc.limits import braked, is_signed
+from opt.wbc.patience import Waiting, not_waiting, update_waiting
+from opt.wbc.program import Step, control_program
+from opt.wbc.reference import Reference, read_reference
+from opt.wbc.robot import RobotLimits
 from opt.wbc.settings import ControllerSettings
-from opt.wbc.task import Reference, brush_rows
 
-QP_ITERATIONS = 9
+# All of them, whatever the program: 9 leave one step in a thousand unsolved, 12 none of 400,000.
+QP_ITERATIONS = 12
 
 
-class RobotLimits(eqx.Module):
-    """What a controller knows of the robot.
+class ControlStatus(IntEnum):
+    """How a control step ended: as its program did, or given up."""
 
-    home: brush in the base frame at the best posture (x, y) [m]. Base limits are of (x, y, yaw) in the map
-    frame [m/s, rad/s, m/s^2, rad/s^2]; arm limits of the joints [rad, rad/s, rad/s^2].
-    """
-
-    chain: KinematicChain
-    drive: AbstractDrive
-    home: Float[Array, "2"]
-    base_speed: Float[Array, "3"]
-    base_acceleration: Float[Array, "3"]
-    arm_lower: Float[Array, "a"]
-    arm_upper: Float[Array, "a"]
-    arm_speed: Float[Array, "a"]
-    arm_acceleration: Float[Array, "a"]
+    SOLVED = QPStatus.SOLVED
+    INFEASIBLE = QPStatus.INFEASIBLE  # violates hard rows least; stands still where bounds contradict
+    NOT_CONVERGED = QPStatus.NOT_CONVERGED  # goes on with the last iterate
+    NOT_FINITE = QPStatus.NOT_FINITE  # stands still
+    OUT_OF_REACH = max(QPStatus) + 1  # the patience is spent: stands still where the brush came nearest
 
 
 class Memory(eqx.Module):
-    """The latch, the last commanded velocities (base in the map frame), and the base pose last seen."""
+    """The latch, the last commanded velocities (base in the map frame), the base pose last seen, and how long
+    the plan's clock has waited.
+    """
 
     halt: HaltState
     base_velocity: Float[Array, "3"]
     arm_velocity: Float[Array, "a"]
     last_base: Float[Array, "3"]
+    waiting: Waiting
 
 
 class WholeBodyController(Controller):
@@ -67,96 +66,105 @@ class WholeBodyController(Controller):
 
     def initial(self, measured: Measured) -> Memory:
         """A controller at rest."""
+        dtype = measured.base.dtype
         return Memory(
-            initial_halt(measured.base.dtype),
+            initial_halt(dtype),
             jnp.zeros_like(measured.base),
             jnp.zeros_like(measured.arm),
             measured.base,
+            not_waiting(dtype),
         )
+
+    def surface(self, clock) -> Surface:
+        """Where the brush is to touch, while the pen is down."""
+        now = read_reference(self.reference, clock)
+        return Surface(now.position, -now.rotation[:, 2], (now.pen > 0.5).astype(now.pen.dtype))
 
     def decide(self, memory: Memory, measured: Measured, clock, dt) -> tuple[Decision, Memory]:
         """One control step: decide on the base, add up the program, solve it."""
-        pose, jac = jacobian(self.robot.chain, jnp.concatenate([measured.base, measured.arm]))
+        robot, settings = self.robot, self.settings
+        links = frames(robot.chain, robot.joints(measured.base, measured.arm))
+        pose, jac = tool_jacobian(robot.chain, links)
         planned = read_reference(self.reference, clock)
         error = _length(planned.position - pose.p)
-        rate = self.pace * jnp.clip(2 - 2 * error / self.settings.hold_error, 0.0, 1.0)
-        reference = planned._replace(
-            velocity=planned.velocity * rate, angular_velocity=planned.angular_velocity * rate
+        in_time = jnp.clip(2 - 2 * error / settings.hold_error, 0.0, 1.0)
+        waiting = update_waiting(memory.waiting, error, in_time, dt)
+        lost = waiting.time >= settings.patience
+        pace = self.pace * in_time
+        demand = self._demand(memory, measured, planned.at_rate(pace), self.stations.at(clock), dt)
+        rate = pace * (1 - demand.waits)
+        reference = planned.at_rate(rate)
+        step = Step(
+            links=links,
+            pose=pose,
+            jacobian=jac,
+            reference=reference,
+            demand=demand,
+            arm=measured.arm,
+            yaw=measured.base[2],
+            base_velocity=memory.base_velocity,
+            arm_velocity=memory.arm_velocity,
+            awake=~lost,
+            dt=dt,
         )
-        demand = self._demand(memory, measured, reference, self.stations.at(clock), dt)
-        rows = brush_rows(pose.p, pose.R, jac, reference, self.settings)
-        cost, linear = self._costs(jac, demand)
-        bounds = joined(self._base_bounds(memory, demand, dt), self._arm_bounds(memory, measured, dt))
-        program = QuadraticProgram(cost, linear, rows.jacobian, rows.target, rows.slack_cost, *bounds)
-        solution = solve_qp(program, smoothing=self.settings.qp_smoothing, iterations=QP_ITERATIONS)
-        base, arm = solution.value[:3], solution.value[3:]
-        command = self._command(base, arm, demand, measured)
-        halted = demand.halt.halted
-        decision = Decision(command, rate, planned.position, planned.pen, halted, solution.status)
-        return decision, Memory(demand.halt, base, arm, measured.base)
+        program = control_program(step, robot, settings, self.thresholds)
+        solution = solve_qp(program, smoothing=settings.qp_smoothing, iterations=QP_ITERATIONS, fixed=True)
+        base, arm = self._velocities(solution, program, step)
+        command = self._command(base, arm, demand, measured, lost)
+        failed = solution.status != QPStatus.SOLVED
+        status = jnp.where(lost & ~failed, ControlStatus.OUT_OF_REACH, solution.status)
+        decision = Decision(command, rate, planned.position, planned.pen, demand.halt.halted, status)
+        return decision, Memory(demand.halt, base, arm, measured.base, waiting)
 
     def _demand(self, memory: Memory, measured: Measured, reference: Reference, station, dt) -> BaseDemand:
-        axis, step, lever = (
-            reference.rotation[:, 2],
-            measured.base - memory.last_base,
-            self.settings.yaw_lever,
-        )
+        if self.robot.base_size == 0:
+            return base_at_rest(memory.halt)
+        axis, lever = reference.rotation[:, 2], self.settings.yaw_lever
+        way = measured.base - memory.last_base
         situation = Situation(
             base=measured.base,
             station=station,
             home=self.robot.home,
             brush=reference.position[:2],
             heading=jnp.arctan2(axis[1], axis[0]),
+            pen=reference.pen,
             speed=jnp.maximum(self.speed, _length(reference.velocity)),
-            travelled=_length(jnp.stack([step[0], step[1], lever * step[2]])),
+            travelled=_length(jnp.stack([way[0], way[1], lever * way[2]])),
         )
         return demand_base(
             situation,
             measured.wheel_angle,
             self.robot.drive,
-            self.robot.base_speed,
+            self.robot.base_speed * self.settings.base_speed,
             memory.halt,
             self.thresholds,
-            self.settings,
+            lever,
             dt,
         )
 
-    def _costs(
-        self, jac: Float[Array, "6 n"], demand: BaseDemand
-    ) -> tuple[Float[Array, "n"], Float[Array, "n"]]:
-        """Diagonal of M and C of S1-(10): effort, the demanded base motion, manipulability."""
-        s = self.settings
-        climb = manipulability_gradient(jac[:, 3:], damping=1e-4)[1]
-        follow = jnp.where(self.thresholds.low_speed_scale > 0, s.base_follow, 0.0)
-        cost = jnp.concatenate([s.base_effort + follow, s.arm_effort])
-        return cost, jnp.concatenate([-follow * demand.velocity * demand.gate, -s.manipulability * climb])
-
-    def _arm_bounds(self, memory: Memory, measured: Measured, dt) -> Bounds:
-        r, s = self.robot, self.settings
-        bounds = speed_bounds(r.arm_speed * s.arm_speed)
-        bounds = damped(bounds, measured.arm, r.arm_lower, r.arm_upper, s.damper_start, s.damper_stop)
-        return within_acceleration(bounds, memory.arm_velocity, r.arm_acceleration * dt)
-
-    def _base_bounds(self, memory: Memory, demand: BaseDemand, dt) -> Bounds:
-        ruled = self.thresholds.low_speed_scale > 0
-        follow, free = (
-            demanded_motion_bounds(demand.velocity, demand.gate),
-            self.robot.base_speed * demand.gate,
+    def _velocities(
+        self, solution: QPSolution, program: QuadraticProgram, step: Step
+    ) -> tuple[Float[Array, "3"], Float[Array, "a"]]:
+        """Of base (map frame) and arm: the solution's, or braking where there is none to follow."""
+        ordered = (program.lower <= program.upper).all()
+        usable = ordered & (solution.status != QPStatus.NOT_FINITE)
+        robot, s, base = self.robot, self.settings, self.robot.base_size
+        still = jnp.zeros_like(step.base_velocity[base:])
+        told = (jnp.concatenate([solution.value[:base], still]), solution.value[base:])
+        change = jnp.concatenate([robot.base_acceleration * s.base_acceleration * step.dt, still])
+        stop = (
+            braked(step.base_velocity, change),
+            braked(step.arm_velocity, robot.arm_acceleration * s.arm_acceleration * step.dt),
         )
-        bounds = Bounds(jnp.where(ruled, follow.lower, -free), jnp.where(ruled, follow.upper, free))
-        return within_acceleration(bounds, memory.base_velocity, self.robot.base_acceleration * dt)
+        return jnp.where(usable, told[0], stop[0]), jnp.where(usable, told[1], stop[1])
 
-    def _command(self, base: Float[Array, "3"], arm, demand: BaseDemand, measured: Measured) -> Command:
+    def _command(
+        self, base: Float[Array, "3"], arm, demand: BaseDemand, measured: Measured, lost: Bool[Array, ""]
+    ) -> Command:
         """With the low-speed rule the wheels turn before the base moves; without, while it moves."""
-        ahead = jnp.where(self.thresholds.low_speed_scale > 0, demand.velocity * demand.steer, base)
+        ahead = jnp.where(is_signed(self.thresholds), demand.velocity * demand.steer, base)
         yaw = measured.base[2]
-        return Command(body_twist(base, yaw), body_twist(ahead, yaw), arm)
-
-
-def read_reference(samples: Samples, clock: Float[Array, ""]) -> Reference:
-    """The reference at plan time `clock`."""
-    row = samples.at(clock)
-    return Reference(row[:3], row[3:12].reshape(3, 3), row[12:15], row[15:18], row[18])
+        return Command(body_twist(base, yaw), body_twist(jnp.where(lost, base, ahead), yaw), arm)
 
 
 def _length(vector: Float[Array, "n"]) -> Float[Array, ""]:

@@ -5,7 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxpaint.steering import CasterWheels, WheelMotion
+from jaxpaint.steering import CasterWheels, WheelMotion, driven
 
 CORNERS = np.array([(0.28, 0.22), (0.28, -0.22), (-0.28, 0.22), (-0.28, -0.22)])
 OFFSET = 0.06
@@ -61,7 +61,7 @@ def test_pushed_wheels_come_round_and_pulled_ones_stay(x64):
 
 
 def test_a_pulled_wheel_rolls_backwards(x64):
-    motion = casters().motion(jnp.asarray([0.2, 0.0, 0.0]), jnp.full(4, np.pi), jnp.asarray(0.02))
+    motion = driven(casters(), jnp.asarray([0.2, 0.0, 0.0]), jnp.full(4, np.pi), jnp.asarray(0.02)).motion
     np.testing.assert_allclose(motion.speed, -0.2)
     np.testing.assert_allclose(motion.rate, 0, atol=1e-12)
 
@@ -80,7 +80,7 @@ def test_an_axis_near_the_centre_of_the_turn_finds_no_angle(x64):
 
 
 def test_at_zero_speed_nothing_turns():
-    motion = casters().motion(jnp.zeros(3), jnp.asarray([0.1, 2.0, -3.0, 0.0]), jnp.asarray(0.02))
+    motion = driven(casters(), jnp.zeros(3), jnp.asarray([0.1, 2.0, -3.0, 0.0]), jnp.asarray(0.02)).motion
     np.testing.assert_array_equal(motion.speed, 0)
     np.testing.assert_array_equal(motion.rate, 0)
     assert casters().nonholonomic_rows.shape == (0, 3)
@@ -104,9 +104,22 @@ def test_odometry_is_the_least_squares_of_all_equations(x64):
         np.testing.assert_allclose(got.residual, np.sqrt(((rows @ twist - right) ** 2).mean()), rtol=1e-12)
 
 
+def test_a_contact_that_trails_is_the_same_wheel_half_a_turn_round(x64):
+    """An offset below 0 at an angle is that offset above 0 at the opposite one, its rim turning backwards."""
+    rng = np.random.default_rng(2)
+    for _ in range(10):
+        twist, angle = jnp.asarray(rng.normal(size=3)), jnp.asarray(rng.uniform(-3, 3, 4))
+        trails = driven(casters(offset=-OFFSET), twist, angle, jnp.asarray(0.02))
+        leads = driven(casters(), twist, angle + np.pi, jnp.asarray(0.02))
+        np.testing.assert_allclose(trails.motion.speed, -leads.motion.speed, atol=1e-14)
+        np.testing.assert_allclose(trails.motion.rate, leads.motion.rate, atol=1e-12)
+        np.testing.assert_allclose(trails.odometry.twist, leads.odometry.twist, atol=1e-13)
+        np.testing.assert_allclose(trails.odometry.twist, trails.scale * twist, atol=1e-13)
+
+
 def test_what_cannot_be_is_refused():
-    for offset in (0.0, -0.1):
-        with pytest.raises(ValueError, match=r"offset.*allowed: above 0"):
+    for offset in (0.0, np.nan):
+        with pytest.raises(ValueError, match=r"offset.*allowed: any number but 0"):
             casters(offset=offset)
     with pytest.raises(ValueError, match="allowed: odometry"):
         casters().twist(jnp.zeros(4), jnp.zeros(4))
