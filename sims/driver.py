@@ -5,14 +5,23 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from jaxpaint.steering import AbstractDrive
+from jaxpaint.steering import AbstractDrive, Stance, WheelMotion
 
 
 class Wheels(NamedTuple):
-    """angle: of the steering axes [rad], 0 where nothing steers. speed: of the rims [m/s]."""
+    """angle: of the steering axes [rad], 0 where nothing steers. speed: of the rims [m/s]. way: see
+    `jaxpaint.steering.Stance`; without it, wheels would tremble where a quarter turn is asked of them.
+    """
 
     angle: Float[Array, "w"]
     speed: Float[Array, "w"]
+    way: Float[Array, "w"]
+
+
+def at_rest(angle: Float[Array, "w"]) -> Wheels:
+    """Wheels that stand at these angles and have not gone either way."""
+    still = jnp.zeros_like(angle)
+    return Wheels(angle, still, still)
 
 
 def drive(
@@ -22,14 +31,13 @@ def drive(
     steer_twist: Float[Array, "3"],
     acceleration: float | Float[Array, ""],
     dt: Float[Array, ""],
-) -> Wheels:
-    """Wheels after one control step.
+) -> tuple[Wheels, WheelMotion]:
+    """Wheels after one control step, and what their encoders read in it.
 
-    What steers turns towards `steer_twist` at its rate limit. The whole twist is scaled down where one wheel
-    would be too fast. acceleration: of the rims [m/s^2].
+    A step within the limits (`AbstractDrive.step`), of which rims make what their acceleration [m/s^2] lets
+    them: until they are there, wheels may disagree.
     """
-    angle = base.steered(steer_twist, wheels.angle, dt)
-    rim = base.rolled(twist, angle)
-    rim = rim * jnp.minimum(1.0, base.speed_limit / jnp.maximum(jnp.abs(rim).max(), 1e-6))
+    stance, motion, _ = base.step(twist, steer_twist, Stance(wheels.angle, wheels.way), dt)
     change = acceleration * dt
-    return Wheels(angle, wheels.speed + jnp.clip(rim - wheels.speed, -change, change))
+    speed = wheels.speed + jnp.clip(motion.speed - wheels.speed, -change, change)
+    return Wheels(stance.angle, speed, stance.way), motion._replace(speed=speed)

@@ -2,13 +2,15 @@
 
 import jax.numpy as jnp
 
-from jaxpaint.kinematics.chain import forward
+from jaxpaint.kinematics import forward, no_parts
 from opt.wbc import RobotLimits
-from sims.robots import Robot
+from sims.robots import Robot, body_parts
 
 
-def robot_limits(robot: Robot) -> RobotLimits:
-    """The chain, the limits and the drive of a robot."""
+def robot_limits(robot: Robot, *, clearance: bool = True) -> RobotLimits:
+    """The chain, the limits, the drive and the body of a robot. clearance: false leaves the body out, and
+    with it the rows that keep it clear.
+    """
     base = robot.base_size
     brush = forward(robot.chain, robot.at_home(jnp.zeros(3))).p
     return RobotLimits(
@@ -21,4 +23,5 @@ def robot_limits(robot: Robot) -> RobotLimits:
         arm_upper=robot.upper,
         arm_speed=robot.speed_limit[base:],
         arm_acceleration=robot.acceleration_limit[base:],
+        parts=body_parts(robot) if clearance else no_parts(robot.chain),
     )

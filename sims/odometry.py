@@ -1,7 +1,8 @@
 """What the base really does, and what its odometry makes of it.
 
 The wheel driver reports speed, and zero below its dead band: slow creep is not measured, which is what makes
-halting worth while. Slip is proportional to travel; turning loaded modules on the spot scrubs.
+halting worth while. Each wheel rolls a little further or less than is believed, and its steering angle has
+a zero of its own: drift in proportion to travel, mostly of the heading. Turning loaded modules scrubs.
 """
 
 import equinox as eqx
@@ -11,16 +12,15 @@ from jaxtyping import Array, Float, PRNGKeyArray
 
 
 class OdometryNoise(eqx.Module):
-    """dead_band: rim speed below which zero is reported [m/s]. slip: standard deviation over worlds of the
-    share of travel that is lost or gained [-]. curve: of the yaw per travel [rad/m]. turn: of the share of
-    rotation lost or gained [-]. walk [m/sqrt(m)], yaw_walk [rad/sqrt(m)]: random walk along the way. scrub
-    [m/rad], yaw_scrub [rad/rad]: random motion for each radian that the loaded modules turn.
+    """dead_band: rim speed below which zero is reported [m/s]. steering: standard deviation over wheels of
+    the zero of the steering angle [rad]. radius: of the share by which a wheel rolls further than it is
+    believed to, its radius and the slip of its tread [-]. walk [m/sqrt(m)], yaw_walk [rad/sqrt(m)]: random
+    walk along the way. scrub [m/sqrt(rad)], yaw_scrub [rad/sqrt(rad)]: the same as loaded modules turn.
     """
 
     dead_band: Float[Array, ""]
-    slip: Float[Array, ""]
-    curve: Float[Array, ""]
-    turn: Float[Array, ""]
+    steering: Float[Array, ""]
+    radius: Float[Array, ""]
     walk: Float[Array, ""]
     yaw_walk: Float[Array, ""]
     scrub: Float[Array, ""]
@@ -28,17 +28,23 @@ class OdometryNoise(eqx.Module):
 
 
 class Slip(eqx.Module):
-    """One world's own errors: travel and rotation really made over commanded [-], yaw per travel [rad/m]."""
+    """One world's own errors, which odometry does not know. steering: what the true angle of each module is
+    more than the measured one [rad]. radius: share by which each wheel rolls further than measured [-].
+    """
 
-    travel: Float[Array, ""]
-    rotation: Float[Array, ""]
-    curve: Float[Array, ""]
+    steering: Float[Array, " w"]
+    radius: Float[Array, " w"]
 
 
-def draw_slip(noise: OdometryNoise, *, key: PRNGKeyArray) -> Slip:
+def no_slip(wheels: int, dtype=None) -> Slip:
+    """Wheels that are what odometry takes them for."""
+    return Slip(jnp.zeros(wheels, dtype), jnp.zeros(wheels, dtype))
+
+
+def draw_slip(noise: OdometryNoise, wheels: int, *, key: PRNGKeyArray) -> Slip:
     """The errors of one world."""
-    a, b, c = jax.random.normal(key, (3,), noise.slip.dtype)
-    return Slip(1 + noise.slip * a, 1 + noise.turn * b, noise.curve * c)
+    a, b = jax.random.normal(key, (2, wheels), noise.radius.dtype)
+    return Slip(noise.steering * a, noise.radius * b)
 
 
 def reported_speed(noise: OdometryNoise, speed: Float[Array, "w"]) -> Float[Array, "w"]:
@@ -46,25 +52,29 @@ def reported_speed(noise: OdometryNoise, speed: Float[Array, "w"]) -> Float[Arra
     return jnp.where(jnp.abs(speed) < noise.dead_band, 0.0, speed)
 
 
-def true_motion(
+def wandering(
     noise: OdometryNoise,
-    slip: Slip,
     twist: Float[Array, "3"],
     turned: Float[Array, ""],
     shock: Float[Array, "3"],
     dt: Float[Array, ""],
 ) -> Float[Array, "3"]:
-    """Displacement in the base frame (x, y [m], yaw [rad]) in one step of a twist that wheels without slip
-    make.
+    """Random displacement in the base frame (x, y [m], yaw [rad]) in one step of a twist.
 
     turned: mean angle that the modules turned in the step [rad]. shock: standard normal numbers.
     """
     travel = jnp.sqrt(twist[0] ** 2 + twist[1] ** 2 + 1e-16) * dt
-    forward = twist * jnp.stack([slip.travel, slip.travel, slip.rotation]) * dt
-    wander = jnp.sqrt(travel + 1e-16) * jnp.stack([noise.walk, noise.walk, noise.yaw_walk])
-    scrub = turned * jnp.stack([noise.scrub, noise.scrub, noise.yaw_scrub])
-    zero = jnp.zeros_like(travel)
-    return forward + shock * (wander + scrub) + jnp.stack([zero, zero, slip.curve * travel])
+    walk = jnp.stack([noise.walk, noise.walk, noise.yaw_walk])
+    scrub = jnp.stack([noise.scrub, noise.scrub, noise.yaw_scrub])
+    return shock * jnp.sqrt(walk**2 * travel + scrub**2 * turned + 1e-20)
+
+
+def displacement(before: Float[Array, "3"], after: Float[Array, "3"]) -> Float[Array, "3"]:
+    """What `moved` takes from one pose to the other."""
+    yaw = (before[2] + after[2]) / 2
+    c, s = jnp.cos(yaw), jnp.sin(yaw)
+    dx, dy = after[0] - before[0], after[1] - before[1]
+    return jnp.stack([c * dx + s * dy, c * dy - s * dx, after[2] - before[2]])
 
 
 def moved(pose: Float[Array, "3"], motion: Float[Array, "3"]) -> Float[Array, "3"]:

@@ -1,5 +1,7 @@
 """Many control steps of one world, in blocks of one length, so that any plan runs on one compilation."""
 
+import dataclasses
+from collections.abc import Callable
 from typing import NamedTuple
 
 import equinox as eqx
@@ -8,17 +10,25 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int, PRNGKeyArray, PyTree
 
 from opt.controller import Controller
-from opt.wbc import RobotLimits
+from opt.wbc import ControlStatus, RobotLimits
 from sims.odometry import OdometryNoise
 from sims.worlds import Fidelity, World
 
-# One row is recorded every so many control steps.
-RECORD_EVERY = 4
+# One row is recorded every so many control steps, and the robot looks every so many records: 2.5 times a
+# second.
+RECORD_EVERY, LOOKS = 4, 5
+
+# The world with a belief that a look has corrected and what is remembered, of both, the plan's clock [s] and
+# random numbers.
+Look = Callable[[World, PyTree, Float[Array, ""], PRNGKeyArray], tuple[World, PyTree]]
 
 
 class RolloutState(eqx.Module):
     """Between blocks. clock: of the plan [s]. steps: control steps while live. faults: steps whose program
-    was not solved. diverged_at: control step at which a number stopped being finite, -1 while none did.
+    was not solved, or whose target was given up. gave_up: whether the controller gave its target up in the
+    last live step. diverged_at: control step at which a number stopped being finite, -1 while none did.
+    residual_sum, residual_most: of odometry (`World.residual`) over those steps [m/s]. seen: what looks
+    remember; () where nothing is looked at.
     """
 
     world: World
@@ -26,7 +36,11 @@ class RolloutState(eqx.Module):
     clock: Float[Array, ""]
     steps: Int[Array, ""]
     faults: Int[Array, ""]
+    gave_up: Bool[Array, ""]
     diverged_at: Int[Array, ""]
+    residual_sum: Float[Array, ""]
+    residual_most: Float[Array, ""]
+    seen: PyTree = ()
 
 
 class Record(NamedTuple):
@@ -35,6 +49,7 @@ class Record(NamedTuple):
     base: Float[Array, "*t 3"]
     arm: Float[Array, "*t a"]
     odometry: Float[Array, "*t 3"]
+    believed: Float[Array, "*t 3"]
     planned: Float[Array, "*t 3"]
     pen: Float[Array, "*t"]
     halted: Float[Array, "*t"]
@@ -42,12 +57,14 @@ class Record(NamedTuple):
     live: Bool[Array, "*t"]
 
 
-def start(controller: Controller, fidelity: Fidelity, world: World) -> RolloutState:
-    """Before the first step."""
+def start(controller: Controller, fidelity: Fidelity, world: World, seen: PyTree = ()) -> RolloutState:
+    """Before the first step. seen: what looks remember at the start."""
     world = fidelity.begin(world)
     zero = jnp.zeros((), jnp.int32)
     clock = jnp.zeros((), world.base.dtype)
-    return RolloutState(world, controller.initial(world.measured()), clock, zero, zero, zero - 1)
+    memory = controller.initial(world.measured())
+    none, never = jnp.zeros_like(clock), jnp.zeros((), bool)
+    return RolloutState(world, memory, clock, zero, zero, never, zero - 1, none, none, seen)
 
 
 def is_live(controller: Controller, state: RolloutState) -> Bool[Array, ""]:
@@ -65,12 +82,18 @@ def run_block(
     key: PRNGKeyArray,
     *,
     records: int,
+    look: Look | None = None,
 ) -> tuple[RolloutState, Record]:
     """`records` times `RECORD_EVERY` control steps; a world whose plan is over stands still.
 
-    key: this world's and this block's. Steps that are not finite are undone, the world is marked and stopped.
+    key: this world's and this block's. look: what the robot does every `LOOKS` records, which `records` must
+    be a multiple of then. Steps that are not finite are undone, the world is marked and stopped.
     """
-    shocks = jax.random.normal(key, (records, RECORD_EVERY, 3), state.world.base.dtype)
+    between = LOOKS if look is not None else records
+    if records % between:
+        raise ValueError(f"records: {records}, allowed: multiples of {LOOKS}, between looks")
+    shape = (records // between, between, RECORD_EVERY, 3)
+    shocks = jax.random.normal(key, shape, state.world.base.dtype)
 
     def inner(state: RolloutState, shock):
         return _one_step(controller, fidelity, robot, noise, dt, state, shock)
@@ -79,7 +102,19 @@ def run_block(
         state, seen = jax.lax.scan(inner, state, shocks)
         return state, jax.tree.map(lambda x: x[-1], seen)
 
-    return jax.lax.scan(outer, state, shocks)
+    def looked(state: RolloutState, row):
+        (number, shocks), seen = row, state.seen
+        if look is not None:
+            before = state.world, state.seen
+            after = look(*before, state.clock, jax.random.fold_in(key, number))
+            live = is_live(controller, state)
+            world, seen = jax.tree.map(lambda a, b: jnp.where(live, a, b), after, before)
+            state = dataclasses.replace(state, world=world, seen=seen)
+        state, record = jax.lax.scan(outer, dataclasses.replace(state, seen=()), shocks)
+        return dataclasses.replace(state, seen=seen), record
+
+    state, record = jax.lax.scan(looked, state, (jnp.arange(shape[0]), shocks))
+    return state, jax.tree.map(lambda x: x.reshape(-1, *x.shape[2:]), record)
 
 
 def _one_step(controller: Controller, fidelity: Fidelity, robot, noise, dt, state: RolloutState, shock):
@@ -95,7 +130,11 @@ def _one_step(controller: Controller, fidelity: Fidelity, robot, noise, dt, stat
         state.clock + decision.rate * dt,
         state.steps + 1,
         state.faults + (decision.fault != 0),
+        decision.fault == ControlStatus.OUT_OF_REACH,
         state.diverged_at,
+        state.residual_sum + world.residual,
+        jnp.maximum(state.residual_most, world.residual),
+        state.seen,
     )
     new = jax.tree.map(lambda a, b: jnp.where(go, a, b), moved, state)
     broke = live & ~finite
@@ -105,7 +144,15 @@ def _one_step(controller: Controller, fidelity: Fidelity, robot, noise, dt, stat
 
 def _record(world: World, decision, clock, live) -> Record:
     return Record(
-        world.base, world.arm, world.odometry, decision.planned, decision.pen, decision.halted, clock, live
+        world.base,
+        world.arm,
+        world.odometry,
+        world.believed,
+        decision.planned,
+        decision.pen,
+        decision.halted,
+        clock,
+        live,
     )
 
 

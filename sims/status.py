@@ -25,7 +25,7 @@ class Status(IntEnum):
 
 _MEANINGS = {
     Status.OK: "every mapped pen-down point executed, 95 % of pen-down time within 30 mm of the plan",
-    Status.UNREACHABLE: "a viewpoint or the canvas lies outside of what base and arm can reach",
+    Status.UNREACHABLE: "a viewpoint, the canvas or the path lies outside of what base and arm can reach",
     Status.INFEASIBLE: "the controller found no velocity within the limits that follows the path",
     Status.NOT_CONVERGED: "the run ended before every mapped point was executed, or strayed from the plan",
     Status.DIVERGED: "a state became non-finite or left the workspace",

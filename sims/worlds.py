@@ -1,15 +1,18 @@
 """One simulated robot: its true state, and what advances it by one control step."""
 
 import abc
+import dataclasses
 
 import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float, PyTree
 
+from jaxpaint.localisation import Belief
+from jaxpaint.steering import WheelMotion
 from opt.controller import Command, Measured
 from opt.wbc import RobotLimits
-from sims.driver import Wheels, drive
-from sims.odometry import OdometryNoise, Slip, moved, reported_speed, true_motion
+from sims.driver import Wheels, at_rest, drive
+from sims.odometry import OdometryNoise, Slip, displacement, moved, reported_speed, wandering
 
 # Acceleration of the rims [m/s^2]: the drives' own limit, above what any controller asks for.
 RIM_ACCELERATION = 2.0
@@ -17,8 +20,10 @@ RIM_ACCELERATION = 2.0
 
 class World(eqx.Module):
     """The truth. base: pose (x, y, yaw) in the map. arm, arm_velocity: joints. wheels: angles, and rim speeds
-    as the drives are told. odometry: the base pose that odometry believes. slip: this world's own errors.
-    servos: what only its fidelity knows.
+    as the drives are told. odometry: the base pose that odometry alone believes. belief: what the robot
+    believed when it last looked, anchor: odometry then, steered: how far the modules have turned since
+    [rad]. slip: this world's own errors. residual: of the last step's odometry, by how much the wheels
+    disagreed on a twist [m/s]. servos: what only its fidelity knows.
     """
 
     base: Float[Array, "3"]
@@ -26,18 +31,28 @@ class World(eqx.Module):
     arm_velocity: Float[Array, "a"]
     wheels: Wheels
     odometry: Float[Array, "3"]
+    belief: Belief
+    anchor: Float[Array, "3"]
+    steered: Float[Array, ""]
     slip: Slip
+    residual: Float[Array, ""]
     servos: PyTree = ()
+
+    @property
+    def believed(self) -> Float[Array, "3"]:
+        """Where the robot takes its base to be: the last look's belief, and odometry since."""
+        return moved(self.belief.pose, displacement(self.anchor, self.odometry))
 
     def measured(self) -> Measured:
         """All that a controller may see of it."""
-        return Measured(self.odometry, self.arm, self.wheels.angle)
+        return Measured(self.believed, self.arm, self.wheels.angle)
 
 
 def standing(base: Float[Array, "3"], arm: Float[Array, "a"], slip: Slip, wheels: int) -> World:
-    """A robot at rest whose odometry is right."""
-    still = jnp.zeros((wheels,), base.dtype)
-    return World(base, arm, jnp.zeros_like(arm), Wheels(still, still), base, slip)
+    """A robot at rest that knows where it is."""
+    still, zero = at_rest(jnp.zeros((wheels,), base.dtype)), jnp.zeros((), base.dtype)
+    known = Belief(base, jnp.zeros((3, 3), base.dtype))
+    return World(base, arm, jnp.zeros_like(arm), still, base, known, base, zero, slip, zero)
 
 
 class Fidelity(eqx.Module):
@@ -69,35 +84,43 @@ class Kinematic(Fidelity):
 
     def step(self, robot, noise, world, command, shock, dt) -> World:
         """Wheels and joints have the speeds that they are told, within their accelerations."""
-        wheels = drive(
+        wheels, motion = drive(
             robot.drive, world.wheels, command.base_twist, command.steer_twist, RIM_ACCELERATION, dt
         )
-        rolled = robot.drive.twist(wheels.angle, wheels.speed)
-        base, odometry = rolled_base(robot, noise, world, wheels.angle, wheels.speed, rolled, shock, dt)
+        world = rolled_base(robot, noise, world, wheels, motion, shock, dt)
         change = robot.arm_acceleration * dt
         velocity = world.arm_velocity + jnp.clip(command.arm_velocity - world.arm_velocity, -change, change)
         velocity = jnp.clip(velocity, -robot.arm_speed, robot.arm_speed)
         arm = jnp.clip(world.arm + velocity * dt, robot.arm_lower, robot.arm_upper)
-        return World(base, arm, velocity, wheels, odometry, world.slip, world.servos)
+        return dataclasses.replace(world, arm=arm, arm_velocity=velocity)
 
 
 def rolled_base(
     robot: RobotLimits,
     noise: OdometryNoise,
     world: World,
-    angle: Float[Array, "w"],
-    rim: Float[Array, "w"],
-    rolled: Float[Array, "3"],
+    wheels: Wheels,
+    motion: WheelMotion,
     shock: Float[Array, "3"],
     dt: Float[Array, ""],
-) -> tuple[Float[Array, "3"], Float[Array, "3"]]:
-    """The true base and the one that odometry believes, after a step in which the wheels rolled the twist
-    `rolled`.
+) -> World:
+    """The world after a step in which the wheels moved so: base, odometry and wheels have moved.
 
-    angle: of the steering axes at the step's end [rad]. rim: speeds of the rims [m/s], which odometry sees
-    above its dead band. Slip comes on top of what rolled.
+    wheels: at the step's end. motion: as measured; odometry does not see rims below its dead band, steering
+    axes always. The true wheels differ from it by the world's slip, and what they roll is the twist that fits
+    them best.
     """
-    turned = jnp.abs(angle - world.wheels.angle).mean()
-    reported = robot.drive.twist(angle, reported_speed(noise, rim))
-    base = moved(world.base, true_motion(noise, world.slip, rolled, turned, shock, dt))
-    return base, moved(world.odometry, reported * dt)
+    turned = jnp.abs(wheels.angle - world.wheels.angle).mean()
+    slip = world.slip
+    true = motion._replace(angle=motion.angle + slip.steering, speed=motion.speed * (1 + slip.radius))
+    rolled = robot.drive.odometry(true).twist
+    read = motion._replace(speed=reported_speed(noise, motion.speed))
+    reported, residual = robot.drive.odometry(read)
+    return dataclasses.replace(
+        world,
+        base=moved(world.base, rolled * dt + wandering(noise, rolled, turned, shock, dt)),
+        odometry=moved(world.odometry, reported * dt),
+        wheels=wheels,
+        steered=world.steered + turned,
+        residual=residual,
+    )

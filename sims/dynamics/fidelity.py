@@ -23,11 +23,12 @@ _LEASH = 0.1
 
 
 class Servos(NamedTuple):
-    """What the physics knows beyond a `World`: how the base rolls (v_x, v_y, w) in its own frame, and where
-    the arm's servos are told to be, and how fast.
+    """What the physics knows beyond a `World`: how the base rolls and is told to (v_x, v_y, w) in its own
+    frame, and where the arm's servos are told to be, and how fast.
     """
 
     rolling: Float[Array, "3"]
+    told: Float[Array, "3"]
     reference: Float[Array, "a"]
     reference_velocity: Float[Array, "a"]
 
@@ -53,36 +54,33 @@ class Dynamic(Fidelity):
         """The world with servos at rest, unless it has them."""
         if isinstance(world.servos, Servos):
             return world
-        at_rest = Servos(jnp.zeros_like(world.base), world.arm, jnp.zeros_like(world.arm))
+        still = jnp.zeros_like(world.base)
+        at_rest = Servos(still, still, world.arm, jnp.zeros_like(world.arm))
         return dataclasses.replace(world, servos=at_rest)
 
     def step(self, robot, noise, world, command, shock, dt) -> World:
         """One control step: `substeps` steps of physics."""
-        wheels = drive(
+        wheels, motion = drive(
             robot.drive, world.wheels, command.base_twist, command.steer_twist, RIM_ACCELERATION, dt
         )
-        told = robot.drive.twist(wheels.angle, wheels.speed)
-        before = robot.drive.twist(world.wheels.angle, world.wheels.speed)
-        motion, arm, arm_velocity, servos = self._physics(
-            robot, world, (before, told), command.arm_velocity, dt
-        )
+        told = robot.drive.odometry(motion).twist
+        way, arm, arm_velocity, servos = self._physics(robot, world, told, command.arm_velocity, dt)
         # Tyres hold sideways: the base keeps what its wheels can roll, as a wheel's own lag must not become
         # sliding that odometry cannot see.
-        speeds = robot.drive.rolled(motion / dt, wheels.angle)
-        rolled = robot.drive.twist(wheels.angle, speeds)
-        rolling = robot.drive.twist(wheels.angle, robot.drive.rolled(servos.rolling, wheels.angle))
-        servos = servos._replace(rolling=rolling)
-        base, odometry = rolled_base(robot, noise, world, wheels.angle, speeds, rolled, shock, dt)
-        return World(base, arm, arm_velocity, wheels, odometry, world.slip, servos)
+        at_end = motion._replace(speed=robot.drive.rolled(servos.rolling, motion.angle))
+        servos = servos._replace(rolling=robot.drive.odometry(at_end).twist)
+        motion = motion._replace(speed=robot.drive.rolled(way / dt, motion.angle))
+        moved_on = rolled_base(robot, noise, world, wheels, motion, shock, dt)
+        return dataclasses.replace(moved_on, arm=arm, arm_velocity=arm_velocity, servos=servos)
 
-    def _physics(self, robot: RobotLimits, world: World, twists, arm_velocity, dt):
+    def _physics(self, robot: RobotLimits, world: World, told, arm_velocity, dt):
         """Displacement of the base at its mean heading (x, y [m], yaw [rad]), the arm, and the servos."""
         p, h, base = self.physics, dt / self.substeps, jnp.zeros_like(world.base)
         model = self.engine.with_physics(p, h)
         q = jnp.concatenate([base, world.arm])
         v = jnp.concatenate([world.servos.rolling, world.arm_velocity])
 
-        before, told = twists
+        before = world.servos.told
         push = p.pushed * (told - before) / dt
 
         def substep(state, share):
@@ -97,7 +95,7 @@ class Dynamic(Fidelity):
         start = (q, v, world.servos.reference, world.servos.reference_velocity)
         shares = jnp.arange(1, self.substeps + 1).astype(dt.dtype) / self.substeps
         (q, v, goal, pace), _ = jax.lax.scan(substep, start, shares)
-        servos = Servos(_turned(v[:3], -q[2]), goal, pace)
+        servos = Servos(_turned(v[:3], -q[2]), told, goal, pace)
         return _turned(q[:3], -q[2] / 2), q[3:], v[3:], servos
 
 

@@ -44,7 +44,7 @@ def first_posture(job: Job, world: World, row: Float[Array, "19"], station: Floa
     """
     axis = row[5:12:3]
     heading = jnp.arctan2(axis[1], axis[0])
-    far = stretch(world.odometry, row[:2], heading, job.limits.home, job.settings.yaw_lever)
+    far = stretch(world.believed, row[:2], heading, job.limits.home, job.settings.yaw_lever)
     target = Pose(row[:3], row[3:12].reshape(3, 3))
     spread = spread_starts(job.robot.home, job.robot.lower, job.robot.upper, count=_STARTS)
     starts = jnp.concatenate([job.robot.home[None], world.arm[None], spread[1:]])
@@ -53,12 +53,12 @@ def first_posture(job: Job, world: World, row: Float[Array, "19"], station: Floa
     def reach(base):
         return solve(job.robot.arm(base), starts, target, job.robot.lower, job.robot.upper, settings)
 
-    bases = jnp.stack([world.odometry, station])
+    bases = jnp.stack([world.believed, station])
     found = jax.vmap(reach)(bases)
     stay = (far <= job.thresholds.release_margin) & found.converged[0]
     base = jnp.where(stay, bases[0], bases[1])
     q, converged = jnp.where(stay, found.q[0], found.q[1]), stay | found.converged[1]
-    here = jnp.concatenate([world.odometry, world.arm])
+    here = jnp.concatenate([world.believed, world.arm])
     return jnp.stack([here, jnp.concatenate([base, q])]), converged
 
 

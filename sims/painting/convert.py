@@ -10,7 +10,7 @@ from jaxtyping import Array, Float, Int
 
 from jaxpaint.compiling import batched
 from jaxpaint.kinematics.chain import KinematicChain, jacobian
-from sims.odometry import Slip
+from sims.odometry import no_slip
 from sims.painting.drive import BrushPlan, JointPlan, drive
 from sims.painting.job import PAINT, Job
 from sims.rollout import RECORD_EVERY, Record
@@ -34,17 +34,16 @@ def ideal_run(job: Job, plan: BrushPlan, worlds: World, index: Int[Array, " worl
     """
     still = jax.tree.map(jnp.zeros_like, job.noise.odometry)
     ideal = eqx.tree_at(lambda j: j.noise.odometry, dataclasses.replace(job, fidelity=Kinematic()), still)
-    one = jnp.ones_like(worlds.slip.travel)
     wheels = worlds.wheels.angle.shape[-1]
-    twin = jax.vmap(lambda base, arm, slip: standing(base, arm, slip, wheels))(
-        worlds.odometry, worlds.arm, Slip(one, one, 0 * one)
-    )
+    believed = jax.vmap(lambda world: world.believed)(worlds)
+    none = no_slip(wheels, believed.dtype)
+    twin = jax.vmap(lambda base, arm: standing(base, arm, none, wheels))(believed, worlds.arm)
     return drive(ideal, plan, twin, index, PAINT).record
 
 
 def joints_of(job: Job, record: Record) -> JointPlan:
     """A record's joints as a plan, on the time of the run."""
-    q = np.concatenate([record.odometry, record.arm], axis=-1)
+    q = np.concatenate([record.believed, record.arm], axis=-1)
     step = float(job.dt) * RECORD_EVERY
     speed = np.concatenate([np.diff(q, axis=1) / step, np.zeros_like(q[:, :1])], axis=1)
     rows = np.concatenate([q, speed, np.asarray(record.pen)[..., None]], axis=-1)
@@ -68,4 +67,6 @@ def brush_for_joints(job: Job, plan: JointPlan) -> BrushPlan:
         worlds, count, -1
     )
     stations = np.asarray(plan.rows)[:, ::_STATION_EVERY, :3]
-    return BrushPlan(rows, plan.step, plan.origin, stations, plan.step * _STATION_EVERY, plan.duration)
+    return BrushPlan(
+        rows, plan.step, plan.origin, stations, plan.step * _STATION_EVERY, plan.origin, plan.duration
+    )

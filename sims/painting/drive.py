@@ -14,6 +14,9 @@ from opt.plan import Samples
 from opt.trajectory import TrajectoryController
 from opt.wbc import WholeBodyController
 from sims.painting.job import Job
+from sims.painting.look import look
+from sims.painting.marks import no_marks
+from sims.robots.checks import check_goes_sideways
 from sims.rollout import RECORD_EVERY, Record, RolloutState, run_block, start
 from sims.worlds import World
 
@@ -44,8 +47,8 @@ class JointPlan(NamedTuple):
 
 
 class BrushPlan(NamedTuple):
-    """Rows of `opt.wbc.Reference` every `step` [s] from `origin` [s], base stations every `station_step` [s],
-    and the duration [s].
+    """Rows of `opt.wbc.Reference` every `step` [s] from `origin` [s], base stations every `station_step` [s]
+    from `station_origin` [s], and the duration [s].
     """
 
     rows: Float[Rows, "t 19"]
@@ -53,6 +56,7 @@ class BrushPlan(NamedTuple):
     origin: Float[Rows, ""]
     stations: Float[Rows, "s 3"]
     station_step: Float[Rows, ""]
+    station_origin: Float[Rows, ""]
     duration: Float[Rows, ""]
 
 
@@ -80,7 +84,7 @@ def _whole_body(job: Job, plan: BrushPlan) -> WholeBodyController:
         settings=job.settings,
         thresholds=job.thresholds,
         reference=Samples(plan.rows, plan.step, plan.origin),
-        stations=Samples(plan.stations, plan.station_step, jnp.zeros_like(plan.station_step)),
+        stations=Samples(plan.stations, plan.station_step, plan.station_origin),
         speed=job.speed,
         pace=jnp.ones_like(job.dt),
         duration=plan.duration,
@@ -88,14 +92,17 @@ def _whole_body(job: Job, plan: BrushPlan) -> WholeBodyController:
 
 
 def _starts(controller: Callable) -> Callable:
-    return lambda job, plan, world: start(controller(job, plan), job.fidelity, world)
+    return lambda job, plan, world: start(
+        controller(job, plan), job.fidelity, world, no_marks(world.base.dtype)
+    )
 
 
 def _blocks(controller: Callable) -> Callable:
     def block(job: Job, plan, state: RolloutState, world: Int[Array, ""], number: Int[Array, "2"]):
         key = jax.random.fold_in(job.key(world, number[0]), number[1])
+        following = controller(job, plan)
         return run_block(
-            controller(job, plan),
+            following,
             job.fidelity,
             job.limits,
             job.noise.odometry,
@@ -103,6 +110,9 @@ def _blocks(controller: Callable) -> Callable:
             state,
             key,
             records=_BLOCK // RECORD_EVERY,
+            look=lambda world, seen, clock, key: look(
+                job, world, seen, following.surface(clock), clock, key=key
+            ),
         )
 
     return block
@@ -128,16 +138,18 @@ def drive(
 ) -> Driven:
     """Follows `plan` (leaves with a leading worlds axis) in every world.
 
-    purpose: of the random numbers. advance: told the share of the planned time that each block added.
+    purpose: of the random numbers. advance: told the share of the planned time that each block added. Raises
+    InputError for a differential base: plans have ways of the base that it cannot go.
     """
+    check_goes_sideways(job.robot)
     kind = type(plan)
-    whole = np.asarray(plan.rows)
-    state = _START[kind](job, _window(plan, whole, np.zeros(len(whole))), worlds)
+    plan = jax.tree.map(np.asarray, plan)
+    state = _START[kind](job, _window(plan, np.zeros(len(plan.rows))), worlds)
     duration = np.asarray(plan.duration)
     longest = float(np.max(duration, initial=0.0, where=np.isfinite(duration)))
     records, done = [], 0.0
     for number in range(max(1, math.ceil(_PATIENCE * longest / (_BLOCK * float(job.dt))) + 1)):
-        part = _window(plan, whole, np.asarray(state.clock))
+        part = _window(plan, np.asarray(state.clock))
         state, record = _BLOCKS[kind](job, part, state, index, jnp.array([purpose, number], jnp.int32))
         records.append(jax.tree.map(np.asarray, record))
         live = (np.asarray(state.clock) < duration) & (np.asarray(state.diverged_at) < 0)
@@ -152,13 +164,24 @@ def drive(
     return Driven(state, record, (np.asarray(state.clock) >= duration) & ~diverged, diverged)
 
 
-def _window(plan: JointPlan | BrushPlan, rows: np.ndarray, clock: np.ndarray) -> JointPlan | BrushPlan:
+def _window(plan: JointPlan | BrushPlan, clock: np.ndarray) -> JointPlan | BrushPlan:
     """The plan with only those rows that the next block can need: moving all of them costs more than the
-    block.
+    block, and plans of all lengths have one shape.
     """
-    step = np.asarray(plan.step)
-    first = np.clip(np.floor(np.nan_to_num(clock) / step).astype(int) - 1, 0, max(rows.shape[1] - 2, 0))
-    index = np.minimum(first[:, None] + np.arange(_WINDOW), rows.shape[1] - 1)
-    return plan._replace(
-        rows=np.take_along_axis(rows, index[..., None], axis=1), origin=(first * step).astype(step.dtype)
-    )
+    rows, origin = _cut(np.asarray(plan.rows), np.asarray(plan.step), clock, _WINDOW)
+    plan = plan._replace(rows=rows, origin=origin)
+    if isinstance(plan, JointPlan):
+        return plan
+    step = np.asarray(plan.station_step)
+    ratio = float((np.asarray(plan.step) / step).max(initial=0.0))
+    count = math.ceil(round(_WINDOW * ratio, 3)) + 2
+    stations, begin = _cut(np.asarray(plan.stations), step, clock, count)
+    return plan._replace(stations=stations, station_origin=begin)
+
+
+def _cut(rows: np.ndarray, step: np.ndarray, clock: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """So many rows from shortly before the clock on, and the time of the first [s]."""
+    first = np.floor(np.nan_to_num(clock) / step).astype(int) - 1
+    first = np.clip(first, 0, max(rows.shape[1] - 2, 0))
+    index = np.minimum(first[:, None] + np.arange(count), rows.shape[1] - 1)
+    return np.take_along_axis(rows, index[..., None], axis=1), (first * step).astype(step.dtype)

@@ -14,6 +14,7 @@ from sims.paint import Brush
 from sims.robots import Robot
 from sims.scenes.scene import Scene
 from sims.sensors import Camera
+from sims.sight import Sight
 from sims.worlds import Fidelity, Kinematic
 
 # One control step [s].
@@ -25,10 +26,10 @@ class Job(eqx.Module):
 
     picture: canvas points of the strokes in order [m], stroke: which stroke each belongs to. camera_place,
     camera_rotation, camera_base, camera_joints: the viewpoints, see `jaxpaint.planning.Viewpoints`. echoes:
-    what the lidar saw of the wall before the scan (x, y) [m], NaN for nothing. seed: key data of the job's
-    random numbers. speed: of the brush [m/s]. fidelity: how truly worlds move. colour: of each stroke; None:
-    all are one. colours: how many the picture has, with and without strokes. tool_change: time that a change
-    of colour takes [s].
+    what the lidar saw of the wall before the scan (x, y) [m], NaN for nothing. sight: what the robot looks
+    with as it moves. seed: key data of the job's random numbers. speed: of the brush [m/s]. fidelity: how
+    truly worlds move. colour: of each stroke; None: all are one. colours: how many the picture has, with and
+    without strokes. tool_change: time that a change of colour takes [s].
     """
 
     robot: Robot
@@ -48,6 +49,7 @@ class Job(eqx.Module):
     camera_base: Float[Array, "views 3"]
     camera_joints: Float[Array, "views arm"]
     echoes: Float[Array, "beams 2"]
+    sight: Sight
     speed: Float[Array, ""]
     dt: Float[Array, ""]
     seed: UInt32[Array, "2"]

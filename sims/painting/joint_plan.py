@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool, Float
 
-from sims.odometry import Slip
+from sims.odometry import no_slip
 from sims.painting.approach import approach
 from sims.painting.convert import joints_for_brush
 from sims.painting.drive import JointPlan
@@ -122,11 +122,8 @@ def _unwrapped(units: tuple[str, ...], position: np.ndarray) -> np.ndarray:
 def _resting(job: Job, plan: JointPlan, wheels: int) -> World:
     """One robot at rest at the end of a plan, odometry right and nothing slipping."""
     last = np.asarray(plan.rows)[:, _rows_of(plan) - 1]
-    one = jnp.ones((1,), last.dtype)
     base, arm = jnp.asarray(last[:, :3]), jnp.asarray(last[:, 3 : job.robot.chain.size])
-    return jax.vmap(lambda base, arm, slip: standing(base, arm, slip, wheels))(
-        base, arm, Slip(one, one, 0 * one)
-    )
+    return jax.vmap(lambda b, a: standing(b, a, no_slip(wheels, last.dtype), wheels))(base, arm)
 
 
 def _rows_of(plan: JointPlan, lag: float = 0.0) -> int:

@@ -115,7 +115,7 @@ def lay(
     hand = None if colours == 1 or colour is None else np.asarray(colour, np.int32)
     length = driven.record.pen.shape[1]
     log, padded_hand = jax.tree.map(
-        lambda x: _padded(x, -(-length // _ROWS) * _ROWS), (_log(driven, truth), hand)
+        lambda x: _padded(x, -(-length // _ROWS) * _ROWS), (log_of(driven, truth), hand)
     )
     window = window_cells(job.brush, float(grid.cell))
     layer = _Layer(job.scene.chart, job.brush, grid, job.dt * RECORD_EVERY, window, colours)
@@ -152,7 +152,8 @@ def paint_scores(
     return scores
 
 
-def _log(driven: Driven, truth: Truth) -> Log:
+def log_of(driven: Driven, truth: Truth) -> Log:
+    """What all worlds recorded, beside the truth."""
     record = driven.record
     return Log(
         planned=record.planned,

@@ -168,7 +168,8 @@ def _judge(driven: Driven, laid: Laid, reachable: np.ndarray, diverged: np.ndarr
     completed, fault = completed_and_fault(driven)
     score = laid.tracking
     score = score.__class__(**{**vars(score), "finite": np.asarray(score.finite) & ~diverged})
-    return np.asarray(_JUDGE(score, jnp.asarray(completed), jnp.asarray(~reachable), jnp.asarray(fault)))
+    unreachable = ~reachable | np.asarray(driven.state.gave_up)
+    return np.asarray(_JUDGE(score, jnp.asarray(completed), jnp.asarray(unreachable), jnp.asarray(fault)))
 
 
 _JUDGE = batched(

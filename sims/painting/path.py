@@ -18,7 +18,7 @@ from sims.painting.job import Job
 from sims.painting.scan import steps_for
 
 # Every so many control steps a base station is planned: half a second, in which a brush goes 15 mm.
-_STATION_EVERY = 25
+STATION_EVERY = 25
 # A base in the middle of what it serves stays there: its brush is nearer than the release margin, by this
 # share of it.
 _WITHIN = 0.8
@@ -72,7 +72,7 @@ def brush_rows(job: Job, path: BrushPath, count: Int[Array, " t"]) -> Float[Arra
 
 def stations(job: Job, rows: Float[Array, "t 19"], obstacles: Float[Array, "m 3"]) -> Float[Array, "s 3"]:
     """Base poses along the path, away from what camera and lidar saw."""
-    coarse = rows[::_STATION_EVERY]
+    coarse = rows[::STATION_EVERY]
     echoes = jnp.concatenate([job.echoes, jnp.zeros_like(job.echoes[:, :1])], axis=1)
     obstacles = jnp.concatenate([obstacles, echoes])
     real = jnp.isfinite(obstacles).all(-1)
@@ -103,7 +103,6 @@ def plan_painting(job: Job, cloud: Float[Array, "w n 3"], valid: Bool[Array, "w 
     rows = _ROWS(job, path, jnp.zeros(count, jnp.int32))
     places = _STATIONS(job, rows, obstacles)
     step = np.full(path.end.shape, float(job.dt), np.asarray(path.end).dtype)
-    plan = BrushPlan(
-        np.asarray(rows), step, 0 * step, np.asarray(places), step * _STATION_EVERY, np.asarray(path.end)
-    )
+    every, none = step * STATION_EVERY, 0 * step
+    plan = BrushPlan(np.asarray(rows), step, none, np.asarray(places), every, none, np.asarray(path.end))
     return Painting(path, causes, obstacles, plan)

@@ -48,7 +48,7 @@ def starting_world(job: Job, index: Int[Array, ""]) -> World:
     """A robot near the first stop, at home, with this world's slip; odometry starts where it stands."""
     nominal = job.camera_base[0]
     offset = job.noise.start * jax.random.normal(job.key(index, START), (3,), nominal.dtype)
-    slip = draw_slip(job.noise.odometry, key=job.key(index, SLIP))
+    slip = draw_slip(job.noise.odometry, job.limits.drive.size, key=job.key(index, SLIP))
     return standing(nominal + offset, job.robot.home, slip, job.limits.drive.size)
 
 
@@ -61,7 +61,7 @@ def plan_scan(job: Job, world: World) -> tuple[Float[Array, "w joints"], Bool[Ar
 
     def visit(q_before, view):
         place, rotation, stop, planned = view
-        base = jnp.where((stop == job.camera_base[0]).all(), world.odometry, stop)
+        base = jnp.where((stop == job.camera_base[0]).all(), world.believed, stop)
         chain = arm_chain(job.robot.camera_chain, base)
         starts = jnp.concatenate([q_before[None], planned[None], spread])
         found = solve_apart(job.robot, chain, base, starts, Pose(place, rotation))
@@ -69,7 +69,7 @@ def plan_scan(job: Job, world: World) -> tuple[Float[Array, "w joints"], Bool[Ar
 
     views = job.camera_place, job.camera_rotation, job.camera_base, job.camera_joints
     _, (stops, converged) = jax.lax.scan(visit, world.arm, views)
-    here = jnp.concatenate([world.odometry, world.arm])
+    here = jnp.concatenate([world.believed, world.arm])
     return jnp.concatenate([here[None], stops]), converged.all()
 
 
@@ -152,6 +152,6 @@ def see(job: Job, scan: ScanPlan, driven: Driven, index: np.ndarray):
     row = np.where(reached.any(-1), reached.argmax(-1), record.clock.shape[1] - 1)[..., None]
     arm = np.take_along_axis(record.arm, row, axis=1)
     true = np.concatenate([np.take_along_axis(record.base, row, axis=1), arm], axis=-1)
-    believed = np.concatenate([np.take_along_axis(record.odometry, row, axis=1), arm], axis=-1)
+    believed = np.concatenate([np.take_along_axis(record.believed, row, axis=1), arm], axis=-1)
     view = _VIEWS(job, jnp.asarray(true), jnp.asarray(believed))
     return _SEE(job, view, jnp.asarray(index, jnp.int32))

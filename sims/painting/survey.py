@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Float, PRNGKeyArray
 
 from jaxpaint.kinematics.chain import forward
+from jaxpaint.localisation import outline_of
 from jaxpaint.mapping.canvas import Canvas
 from jaxpaint.planning import (
     CameraArm,
@@ -16,9 +17,14 @@ from jaxpaint.planning import (
     surroundings,
     wall_profile,
 )
+from sims.odometry import OdometryNoise
 from sims.robots import Robot
 from sims.scenes.scene import Scene
 from sims.sensors import Camera, Lidar, scan
+from sims.sight import Sight, drift_of
+
+# Walls and columns that scans are matched with, at most: the longest.
+_PIECES = 16
 
 
 def survey(
@@ -66,13 +72,27 @@ def echoes_before(
     The robot stands before the middle of the canvas, as far as it paints from.
     """
     yaw = float(canvas.yaw)
-    ahead, left = np.array([np.cos(yaw), np.sin(yaw)]), np.array([-np.sin(yaw), np.cos(yaw)])
-    home = np.asarray(arm.brush, float)
-    base = np.asarray(canvas.center, float)[:2] - home[0] * ahead - home[1] * left
-    mount = np.asarray(robot.T_base_lidar.p, float)
-    place = jnp.asarray([*(base + mount[0] * ahead + mount[1] * left), mount[2]], float)
+    place = jnp.asarray(lidar_place(canvas, arm, robot), float)
     lidar = Lidar()
     ranges, valid = jax.jit(lambda p, heading: scan(scene, lidar, p, heading, key=key))(place, canvas.yaw)
     heading = np.asarray(lidar.bearings, float) + yaw
     reach = np.where(np.asarray(valid), np.asarray(ranges, float), np.nan)[:, None]
     return np.asarray(place, float)[:2] + reach * np.stack([np.cos(heading), np.sin(heading)], axis=1)
+
+
+def lidar_place(canvas: Canvas, arm: CameraArm, robot: Robot) -> Float[np.ndarray, "3"]:
+    """Where the lidar is as it looks before the job, in the map frame [m]."""
+    yaw = float(canvas.yaw)
+    ahead, left = np.array([np.cos(yaw), np.sin(yaw)]), np.array([-np.sin(yaw), np.cos(yaw)])
+    home = np.asarray(arm.brush, float)
+    base = np.asarray(canvas.center, float)[:2] - home[0] * ahead - home[1] * left
+    mount = np.asarray(robot.T_base_lidar.p, float)
+    return np.array([*(base + mount[0] * ahead + mount[1] * left), mount[2]])
+
+
+def sight_of(
+    canvas: Canvas, robot: Robot, noise: OdometryNoise, echoes: Float[np.ndarray, "beams 2"]
+) -> Sight:
+    """What the robot looks with, after the survey."""
+    place = lidar_place(canvas, camera_arm(robot), robot)
+    return Sight(outline_of(echoes, place[:2], count=_PIECES), drift_of(noise, robot.drive))

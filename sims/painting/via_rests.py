@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from jaxpaint.compiling import batched
+from jaxpaint.steering import Stance
 from sims.robots import Robot
 
 # Beside what the wheels need: two control periods, since the drive turns in steps [s].
@@ -66,11 +67,16 @@ def _in_base(way: Float[np.ndarray, "*n 3"], yaw: Float[np.ndarray, "*n"]) -> Fl
 def _turning(robot: Robot, twists: Float[Array, "2 3"], longest: Float[Array, ""]) -> Float[Array, ""]:
     """The least of the tried times after which the wheels fit the second twist, where they fit the first."""
     drive, soon, late = robot.drive, jnp.linspace(0, 1, _TRIED) * longest, 100 * longest
-    before = drive.steered(twists[0], jnp.zeros(drive.size), late)
-    after = drive.steered(twists[1], before, late)
+    still = jnp.zeros(drive.size)
+
+    def turned(twist, stance, time):
+        return drive.step(jnp.zeros(3), twist, stance, time).stance
+
+    before = turned(twists[0], Stance(still, still), late)
+    after = turned(twists[1], before, late)
 
     def off(time):
-        return jnp.abs(drive.steered(twists[1], before, time) - after).max(initial=0.0)
+        return jnp.abs(turned(twists[1], before, time).angle - after.angle).max(initial=0.0)
 
     right = jax.vmap(off)(soon) <= _RIGHT
     return jnp.where(right, soon, longest).min()

@@ -15,8 +15,20 @@ _BEHIND = 0.005
 _LEAN = np.radians(30)
 
 
+def check_goes_sideways(robot: Robot) -> None:
+    """Raises InputError for a base that cannot follow every path in the plane, as a differential base."""
+    if robot.drive.nonholonomic_rows.shape[0]:
+        raise InputError(
+            "a differential base cannot go along its axle, as the paths planned for bases do; "
+            "allowed: steered wheels, casters, mecanum wheels, or no wheel joints (holonomic)"
+        )
+
+
 def check_can_paint(robot: Robot) -> None:
-    """Raises InputError for an arm with too few joints, or a home from which no wall is painted."""
+    """Raises InputError for a differential base, an arm with too few joints, or a home from which no wall is
+    painted.
+    """
+    check_goes_sideways(robot)
     joints = robot.home.shape[0]
     if joints < _LEAST_JOINTS:
         raise InputError(

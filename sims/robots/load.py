@@ -36,10 +36,10 @@ def load_robot(
     Joints: slides `base_x`, `base_y` and a hinge `base_yaw` at the root, in this order (a URDF gets them),
     then the arm's, of which any number. Sites, or links, of these names or of those given: `brush` (z out of
     the tool), `camera` on the same link (OpenCV axes); `lidar`, else on top of the base. Wheels: joints
-    `steer_NAME` and `wheel_NAME` in pairs are steered, `wheel_NAME` alone are mecanum (numeric
-    `roller_angle`), none make a holonomic base. Speed limits are the control ranges of velocity actuators,
-    or a URDF's; accelerations the numerics `base_acceleration` and `arm_acceleration`. The keyframe `home` is
-    the painting posture, else one is searched. Raises InputError.
+    `steer_NAME` and `wheel_NAME` in pairs are steered, with an offset casters, `wheel_NAME` alone mecanum
+    (numeric `roller_angle`) or on one axle differential, none make a holonomic base. Speed limits are the
+    control ranges of velocity actuators, or a URDF's; accelerations the numerics `base_acceleration` and
+    `arm_acceleration`. The keyframe `home` is the painting posture, else one is searched. Raises InputError.
     """
     model = robot_model(path, brush_site=brush_site, camera_site=camera_site)
     try:

@@ -79,9 +79,9 @@ def loss(limits, noise, rows, arm, parameters):
     """Mean squared distance of the true brush from the plan [mm^2], from a start that is off by
     millimetres.
     """
-    base, one = jnp.zeros(3), jnp.ones(())
+    base, one = jnp.zeros(3), jnp.ones(4)
     follow = controller(limits, rows, base, parameters)
-    world = standing(base, arm, Slip(1.01 * one, one, 0.01 * one), 4)
+    world = standing(base, arm, Slip(0.01 * jnp.asarray([1, -1, 2, 0.5]), 0.01 * one), 4)
     _, record = run_block(
         follow,
         Kinematic(),

@@ -43,7 +43,7 @@ class Bench:
     def __call__(self, rows, *, physics=None, world=None, slip=1.0, noise=None, gain=0.0):
         """rows: [worlds, STEPS, 19]. physics: one a world, or one for all. world: q at the start."""
         count = len(rows)
-        one = jnp.ones(count)
+        one = jnp.ones((count, 4))
         physics = self.fidelity.physics if physics is None else physics
         if physics.mass.ndim == 1:
             physics = jax.tree.map(lambda x: jnp.broadcast_to(x, (count, *x.shape)), physics)
@@ -54,7 +54,7 @@ class Bench:
             jnp.asarray(gain),
             physics,
             home if world is None else jnp.asarray(world, jnp.float32),
-            Slip(slip * one, slip * one, 0 * one),
+            Slip(0 * one, (slip - 1) * one),
             jnp.asarray(rows, jnp.float32),
         )
 

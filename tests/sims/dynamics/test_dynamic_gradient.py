@@ -18,7 +18,7 @@ from opt.wbc import WholeBodyController, default_settings
 from sims.dynamics import Engine, dynamic, physics_of, planar_model
 from sims.limits import robot_limits
 from sims.noise import noise_preset
-from sims.odometry import Slip
+from sims.odometry import Slip, no_slip
 from sims.robots import load_robot, robot_model
 from sims.rollout import run_block, start
 from sims.worlds import standing
@@ -83,14 +83,16 @@ class Problem:
         )
 
     def loss(self, parameters):
-        scale, one = jnp.exp(parameters[:6]), jnp.ones(())
+        scale, one = jnp.exp(parameters[:6]), jnp.ones(4)
         follow = self.follow(scale)
         fidelity = eqx.tree_at(
             lambda f: (f.physics.mass, f.physics.velocity_gain),
             self.fidelity,
             (self.fidelity.physics.mass * scale[4], self.fidelity.physics.velocity_gain * scale[5]),
         )
-        world = standing(jnp.zeros(3), self.home + parameters[6:], Slip(1.01 * one, one, 0.01 * one), 4)
+        world = standing(
+            jnp.zeros(3), self.home + parameters[6:], Slip(0.01 * jnp.asarray([1, -1, 2, 0.5]), 0.01 * one), 4
+        )
         state, _ = run_block(
             follow,
             fidelity,
@@ -211,7 +213,6 @@ def test_of_the_physics_alone(x64):
     robot = load_robot()
     limits, noise = doubles(robot_limits(robot)), doubles(noise_preset("none").odometry)
     fidelity, home = doubles(dynamic(robot_model(), substeps=1)), doubles(robot.home)
-    one = jnp.ones(())
 
     def reach(p):
         """p: joint speeds [6], logarithms of mass and servo gain, arm at the start [6]."""
@@ -223,7 +224,7 @@ def test_of_the_physics_alone(x64):
                 fidelity.physics.velocity_gain * jnp.exp(p[7]),
             ),
         )
-        world = moved.begin(standing(jnp.zeros(3), home + p[8:], Slip(one, one, 0 * one), 4))
+        world = moved.begin(standing(jnp.zeros(3), home + p[8:], no_slip(4), 4))
         still = jnp.zeros(3)
 
         def step(world, _):

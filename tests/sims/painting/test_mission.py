@@ -8,6 +8,8 @@ import pytest
 from experiments.commands.paint_options import PaintOptions
 from experiments.paint import score
 from experiments.paint_job import paint_task
+from jaxpaint.errors import InputError
+from jaxpaint.steering import differential
 from sims.painting import run_mission
 from sims.painting.drive import _BLOCKS, BrushPlan
 from sims.status import Status
@@ -60,6 +62,14 @@ def test_a_world_does_not_depend_on_how_many_run_and_sweeps_do_not_trace_again(t
     more = run_mission(task.job, task.grid, np.arange(WORLDS + 2))
     np.testing.assert_array_equal(np.asarray(more.laid.thickness)[:WORLDS], mission.laid.thickness)
     np.testing.assert_array_equal(np.asarray(more.laid.tracking.total)[:WORLDS], mission.laid.tracking.total)
+
+
+def test_a_differential_base_is_refused_before_it_moves(task):
+    """Its plans would go sideways, whoever follows them."""
+    two = differential(jnp.float32(0.5), jnp.float32(0.0), jnp.float32(1.2))
+    job = eqx.tree_at(lambda j: (j.robot.drive, j.limits.drive), task.job, (two, two))
+    with pytest.raises(InputError, match=r"differential base.*allowed"):
+        run_mission(job, task.grid, np.arange(1))
 
 
 def test_a_canvas_out_of_reach_is_unreachable_not_an_error(two_strokes):

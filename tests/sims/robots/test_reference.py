@@ -86,7 +86,7 @@ def test_home_points_the_brush_at_the_wall_with_the_camera_above(robot):
     np.testing.assert_allclose(brush.p, [0.85, 0, 1.10], atol=1e-5)
     np.testing.assert_allclose(brush.R, frame_from_axis(INTO_WALL, TO_THE_RIGHT), atol=1e-5)
     np.testing.assert_allclose(camera.R, brush.R, atol=1e-5)
-    np.testing.assert_allclose(camera.p - brush.p, [-0.10, 0, 0.075], atol=1e-5)
+    np.testing.assert_allclose(camera.p - brush.p, [-0.125, 0, 0.087], atol=1e-5)
 
 
 def test_the_camera_does_not_see_the_brush():
