@@ -32,7 +32,7 @@ from sims.limits import robot_limits
 from sims.noise import noise_preset
 from sims.paint import Brush, PaintGrid, canvas_extent
 from sims.painting.job import CONTROL_PERIOD, SURVEY, Job
-from sims.painting.survey import survey
+from sims.painting.survey import sight_of, survey
 from sims.robots import Robot, check_can_paint, load_robot, robot_model
 from sims.scoring import Wanted, wanted_area
 from sims.sensors import Camera
@@ -71,7 +71,7 @@ def paint_task(options: PaintOptions) -> PaintTask:
     drawing = fit(picture, size)
     fill = _fill(options)
     strokes = plan_strokes(drawing, SPACING, radius=options.brush_radius, fill=fill)
-    camera, limits = Camera(), robot_limits(robot)
+    camera, limits, noise = Camera(), robot_limits(robot), noise_preset(options.noise)
     seed = jax.random.key(options.seed)
     views, echoes = survey(scene, canvas, robot, camera, key=jax.random.fold_in(seed, SURVEY))
     job = Job(
@@ -80,7 +80,7 @@ def paint_task(options: PaintOptions) -> PaintTask:
         scene=scene,
         canvas=canvas,
         camera=camera,
-        noise=noise_preset(options.noise),
+        noise=noise,
         brush=Brush(radius=options.brush_radius, nominal_speed=options.speed),
         thresholds=default_thresholds(**options.threshold_changes()),
         settings=default_settings(arm_joints=robot.home.shape[0]),
@@ -92,6 +92,7 @@ def paint_task(options: PaintOptions) -> PaintTask:
         camera_base=jnp.asarray(views.base, float),
         camera_joints=jnp.asarray(views.joints, float),
         echoes=jnp.asarray(echoes, float),
+        sight=sight_of(canvas, robot, noise.odometry, echoes),
         speed=jnp.asarray(options.speed),
         dt=jnp.asarray(CONTROL_PERIOD),
         seed=jax.random.key_data(seed),

@@ -15,7 +15,7 @@ PICTURES = (".svg", *PIXELS)
 CAPTURES = (".ply", ".pcd", ".xyz", ".npz", ".stl", ".obj")
 WALLS = ("flat", "corner", "cylinder", "objects", "room")
 AXES = ("x", "y", "z", "+x", "+y", "+z", "-x", "-y", "-z")
-NOISES = ("s1-simulation", "none")
+NOISES = ("s1-simulation", "s1-real", "none")
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -41,7 +41,7 @@ def runs(tmp_path_factory):
     (folder / "two.svg").write_text(PICTURE)
     (folder / "plate.obj").write_text(PLATE)
     first = (
-        f"--image {folder}/two.svg --canvas-size 0.5 0.5 --no-low-speed --worlds 4 --seed 11 --out {folder}/a"
+        f"--image {folder}/two.svg --canvas-size 0.5 0.5 --no-halting --worlds 4 --seed 11 --out {folder}/a"
     )
     again = f"--config {folder}/a/summary.json --out {folder}/b"
     assert main(["paint", *first.split()]) == 0
