@@ -63,7 +63,7 @@ def _total(run: Followed) -> np.ndarray:
 
 
 def _rows(table: TrackingTable, name: str, run: Followed) -> list[Row]:
-    axes = np.asarray(run.score.rmse)
+    axes = np.where(run.completed[:, None], run.score.rmse, np.inf)
     rows = [_row(axis, name, None, axes[:, k]) for k, axis in enumerate("xyz")]
     rows.append(_row("total", name, table.published, _total(run)))
     return rows + _beside(name, run)

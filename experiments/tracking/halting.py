@@ -49,7 +49,11 @@ class Point:
     drift: Interval
 
     def beats(self, rival: "Point") -> str:
-        """By what this one is better for certain: `error`, `time` at an error that is not larger, or ``."""
+        """By what this one is better for certain: `error`, or `time` at an error whose interval is not above
+        the rival's; else an empty word, as where not all worlds came to their end.
+        """
+        if not math.isfinite(self.error[2]):
+            return ""
         if self.error[2] < rival.error[1]:
             return "error"
         no_worse = self.error[1] <= rival.error[2]
@@ -77,7 +81,7 @@ def following(study: Study) -> Study:
 
 
 def parking(study: Study, cell: Cell, reach: float, worlds: int, first: int) -> Point:
-    """Park, operate, park."""
+    """Park, operate, park, with segments that lie within `reach` [m] of the base's place."""
     return _point(follow(parked(_seeing(study, cell, math.inf), reach), worlds, first))
 
 
@@ -87,7 +91,7 @@ def _seeing(study: Study, cell: Cell, theta: float) -> Study:
 
 
 def _point(run: Followed) -> Point:
-    error = np.where(run.completed, run.score.total, np.inf)
+    error, time = (np.where(run.completed, x, np.inf) for x in (run.score.total, run.time))
     return Point(
-        *(median_interval(np.asarray(x)) for x in (error, run.starts, run.time, run.score.drift_largest))
+        *(median_interval(np.asarray(x)) for x in (error, run.starts, time, run.score.drift_largest))
     )

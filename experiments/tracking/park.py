@@ -12,6 +12,9 @@ from experiments.tracking.study import Study, padded_count, places_for
 
 # The brush stops and goes on within this time [s]; so long it is up at least, while the base gets going.
 _RAMP, _UP = 0.1, 0.1
+# The next station is there this long before the pen is up [s]: rows are read between neighbours, and a clock
+# that waits must not see part of the way.
+_AHEAD = 0.05
 # Stations nearer than this are one [m].
 _SAME = 1e-3
 
@@ -55,7 +58,7 @@ def _cut(time: Float[np.ndarray, " t"], edges: Float[np.ndarray, " e"]):
     for k, (first, last) in enumerate(itertools.pairwise(edges)):
         own = (time >= begin) & (time < begin + last - first + _RAMP)
         clock[own] = first + _from_rest_to_rest(time[own] - begin, last - first)
-        segment[time >= begin - _UP + 1e-6] = k
+        segment[time >= begin - _UP - _AHEAD] = k
         begin += last - first + _RAMP
         up |= (time >= begin) & (time < begin + _UP) & (k < len(edges) - 2)
         clock[(time >= begin) & (time < begin + _UP)] = last

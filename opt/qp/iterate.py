@@ -102,6 +102,8 @@ def prepared(problem: QuadraticProgram) -> Task:
     row_size = jnp.abs(rows).max(axis=1)
     far = jnp.abs(rows * half).sum(1).max(initial=0.0) / 10
     cost = jnp.abs(problem.linear).max() + (diagonal * half).max() + _pull(problem)
+    # Where nothing but rows is asked for, the scale is that of multipliers that are no larger than one.
+    cost = jnp.where(cost > 0, cost, jnp.maximum(row_size.max(initial=0.0), 1e-6))
     return Task(
         problem,
         jnp.stack([problem.upper, problem.lower]),

@@ -67,7 +67,8 @@ def demand_base(
     """One decision: station, latch, speed, and whether the wheels are ready.
 
     With the low-speed rule off or as printed nothing is demanded, and the gate is the latch alone. A base
-    that parks is let go by the pen, whatever the reach and the way, and stays while the pen is down.
+    that parks is let go by the pen, whatever the reach and the way, and stays while the pen is down; without
+    stations, where the rule is off or as printed, it cannot park.
     """
     s = situation
     offset = jnp.stack(
@@ -76,7 +77,7 @@ def demand_base(
     left = _length(offset)
     signed = is_signed(thresholds).astype(left.dtype)
     arrived = (left < _ARRIVED).astype(left.dtype) * signed
-    parks, down = thresholds.park > 0, s.pen > 0.5
+    parks, down = (thresholds.park > 0) & (signed > 0), s.pen > 0.5
     worthwhile = jnp.maximum((left >= _WORTH_A_START).astype(left.dtype), 1 - signed)
     worthwhile = jnp.where(parks, 1.0 - down, worthwhile)
     far = jnp.where(parks, _ANYWHERE, stretch(s.base, s.brush, s.heading, s.home, lever))

@@ -32,7 +32,7 @@ class ControlStatus(IntEnum):
     INFEASIBLE = QPStatus.INFEASIBLE  # violates hard rows least; stands still where bounds contradict
     NOT_CONVERGED = QPStatus.NOT_CONVERGED  # goes on with the last iterate
     NOT_FINITE = QPStatus.NOT_FINITE  # stands still
-    OUT_OF_REACH = max(QPStatus) + 1  # the patience is spent: stands still where the brush came nearest
+    OUT_OF_REACH = max(QPStatus) + 1  # the patience is spent: stands still, the brush came no nearer
 
 
 class Memory(eqx.Module):
@@ -111,8 +111,8 @@ class WholeBodyController(Controller):
         solution = solve_qp(program, smoothing=settings.qp_smoothing, iterations=QP_ITERATIONS, fixed=True)
         base, arm = self._velocities(solution, program, step)
         command = self._command(base, arm, demand, measured, lost)
-        failed = solution.status != QPStatus.SOLVED
-        status = jnp.where(lost & ~failed, ControlStatus.OUT_OF_REACH, solution.status)
+        sound = (solution.status == QPStatus.SOLVED) | (solution.status == QPStatus.NOT_CONVERGED)
+        status = jnp.where(lost & sound, ControlStatus.OUT_OF_REACH, solution.status)
         decision = Decision(command, rate, planned.position, planned.pen, demand.halt.halted, status)
         return decision, Memory(demand.halt, base, arm, measured.base, waiting)
 

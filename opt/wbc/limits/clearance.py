@@ -1,5 +1,6 @@
 """Clearance: the robot keeps away from itself and from the wall, by one row of the program each."""
 
+import itertools
 from typing import NamedTuple
 
 import jax.numpy as jnp
@@ -43,11 +44,28 @@ def clearance(
 
 
 def as_bounds_allow(rows: Inequalities, bounds: Bounds) -> Inequalities:
-    """The rows as far as the bounds let them be met, so that they never contradict each other:
+    """The rows as far as bounds and each other let them be met, so that no program is infeasible by them.
 
-    limit' = max(limit, a + 0.05 (b - a)),    a, b: least and largest rows q within the bounds
+    A row is met by some q within the bounds where limit >= a, with a and b the least and largest rows q
+    there; it asks for no more than limit' = max(limit, a + 0.05 (b - a)). Two rows can be met together where
+    the same holds for every mixture of them (Farkas). The worst is one in which a variable cancels: these
+    are looked at, and both rows are given the largest shortfall.
     """
+    alone = rows._replace(limit=rows.limit + _shortfall(rows, bounds))
+    for pair in itertools.combinations(range(rows.rows.shape[0]), 2):
+        (first, second), limit = (alone.rows[k] for k in pair), alone.limit
+        cancels = first * second < 0
+        share = jnp.where(cancels, second / jnp.where(cancels, second - first, 1.0), 0.5)[:, None]
+        mixture = share * first + (1 - share) * second
+        mixed = (share * limit[pair[0]] + (1 - share) * limit[pair[1]])[:, 0]
+        short = _shortfall(Inequalities(mixture, mixed), bounds).max()
+        alone = alone._replace(limit=limit.at[jnp.asarray(pair)].add(short))
+    return alone
+
+
+def _shortfall(rows: Inequalities, bounds: Bounds) -> Float[Array, "r"]:
+    """By how much each row asks for more than the bounds allow, with some room."""
     first, second = rows.rows * bounds.lower, rows.rows * bounds.upper
     low, high = (jnp.where(rows.rows == 0, 0.0, f(first, second)) for f in (jnp.minimum, jnp.maximum))
     least, most = jnp.maximum(low.sum(1), -_FAR), jnp.minimum(high.sum(1), _FAR)
-    return rows._replace(limit=jnp.maximum(rows.limit, least + _ROOM * (most - least)))
+    return jnp.maximum(least + _ROOM * (most - least) - rows.limit, 0.0)

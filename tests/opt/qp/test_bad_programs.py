@@ -10,7 +10,7 @@ from scipy.optimize import lsq_linear
 from jaxpaint.compiling import batched
 from opt.qp import QPStatus, quadratic_program, solve_qp
 
-INPUTS = ("hessian", "linear", "jacobian", "target", "compliance", "lower", "upper")
+INPUTS = ("hessian", "linear", "jacobian", "target", "compliance", "rows", "limit", "lower", "upper")
 
 
 def test_infeasible_programs_get_the_least_violation(programs, solve):
@@ -44,7 +44,7 @@ def test_soft_rows_are_never_infeasible(programs, solve):
 
 @pytest.mark.parametrize("name", INPUTS)
 def test_nan_in_one_world_leaves_the_bits_of_the_others(programs, solve, name):
-    p = programs(32, 4)
+    p = programs(32, 4, rows=2 if name in ("rows", "limit") else 0)
     good = solve(p)
     leaf = getattr(p, name)
     bad = eqx.tree_at(lambda q: getattr(q, name), p, leaf.at[(5, *[0] * (leaf.ndim - 1))].set(jnp.nan))
@@ -92,3 +92,31 @@ def test_dependent_rows_that_agree_are_solved_and_that_do_not_are_infeasible(ans
 def test_shapes_that_do_not_fit_are_refused():
     with pytest.raises(ValueError, match="target: found shape"):
         quadratic_program(jnp.ones(3), jnp.zeros(3), jacobian=jnp.ones((2, 3)), target=jnp.ones(3))
+
+
+@pytest.mark.parametrize("compliance", [0.0, 1e-4])
+@pytest.mark.parametrize("fixed", [False, True])
+def test_rows_may_be_all_that_is_asked_for(compliance, fixed):
+    """M and c are zero: every x that meets the rows is a solution."""
+    v = jnp.asarray([0.1, -0.2])
+    p = quadratic_program(
+        jnp.zeros(3),
+        jnp.zeros(3),
+        jacobian=jnp.eye(3)[:2],
+        target=v,
+        compliance=compliance,
+        lower=-1.0,
+        upper=1.0,
+    )
+    s = solve_qp(p, fixed=fixed, iterations=12 if fixed else 25)
+    assert s.status == QPStatus.SOLVED
+    np.testing.assert_allclose(s.value[:2], v, atol=1e-4)
+
+
+@pytest.mark.parametrize("huge", [{"smoothing": jnp.nan}, {"scale": 1e25}])
+def test_what_overflows_is_not_finite_and_zero(huge):
+    J = huge.get("scale", 1.0) * jnp.eye(3)
+    p = quadratic_program(jnp.ones(3), jnp.zeros(3), jacobian=J, target=jnp.ones(3), lower=-1.0, upper=1.0)
+    s = solve_qp(p, smoothing=huge.get("smoothing", 0.0))
+    assert s.status == QPStatus.NOT_FINITE
+    np.testing.assert_array_equal(s.value, 0)

@@ -2,6 +2,7 @@
 
 import jax.numpy as jnp
 import numpy as np
+from scipy.optimize import linprog
 
 from jaxpaint.decisions import default_thresholds
 from jaxpaint.kinematics import Gap
@@ -126,3 +127,26 @@ def test_a_row_asks_for_no_more_than_the_bounds_allow():
     rows = Inequalities(jnp.asarray([[1.0, -2.0], [1.0, 0.0]]), jnp.asarray([-9.0, 0.3]))
     bounds = Bounds(jnp.asarray([-0.1, 0.0]), jnp.asarray([0.1, 0.2]))
     np.testing.assert_allclose(as_bounds_allow(rows, bounds).limit, [-0.5 + 0.05 * 0.6, 0.3], atol=1e-6)
+
+
+def test_two_rows_ask_for_no_more_than_can_be_met_together():
+    """Each alone could be met, x >= 0.08 and x <= -0.08 not both; with three variables, at random."""
+    opposite = Inequalities(jnp.asarray([[-1.0, 0.0], [1.0, 0.0]]), jnp.asarray([-0.08, -0.08]))
+    bounds = Bounds(jnp.full(2, -0.1), jnp.full(2, 0.1))
+    limit = np.asarray(as_bounds_allow(opposite, bounds).limit)
+    assert limit.sum() >= 0 and (limit <= 0.1).all()
+    rng = np.random.default_rng(0)
+    for _ in range(50):
+        rows = Inequalities(jnp.asarray(rng.normal(size=(2, 3))), jnp.asarray(rng.normal(size=2) - 0.5))
+        lower, upper = -rng.uniform(0.05, 0.5, 3), rng.uniform(0.05, 0.5, 3)
+        given = as_bounds_allow(rows, Bounds(jnp.asarray(lower), jnp.asarray(upper)))
+        found = linprog(np.zeros(3), given.rows, given.limit, bounds=list(zip(lower, upper, strict=True)))
+        assert found.status == 0
+        alone = [
+            linprog(row, bounds=list(zip(lower, upper, strict=True))).fun for row in np.asarray(rows.rows)
+        ]
+        size = np.abs(np.asarray(rows.rows)) @ (upper - lower)
+        wanted = np.maximum(rows.limit, alone + 0.05 * size)
+        both = linprog(np.zeros(3), rows.rows, wanted, bounds=list(zip(lower, upper, strict=True)))
+        if both.status == 0:  # what can be met together is loosened a little at most
+            assert (np.asarray(given.limit) <= wanted + 0.05 * size.max() + 1e-6).all()
