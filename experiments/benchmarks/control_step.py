@@ -12,7 +12,6 @@ from jaxpaint.kinematics import frames, tool_jacobian
 from opt.qp import QPStatus, quadratic_program, solve_qp
 from opt.wbc import RobotLimits
 from opt.wbc.base_motion import body_twist
-from opt.wbc.controller import QP_ITERATIONS
 from sims.driver import Wheels, at_rest, drive
 from sims.limits import robot_limits
 from sims.odometry import moved
@@ -23,8 +22,10 @@ _WORLDS, _STEPS = 2048, 50
 _DT = 0.02
 # As the peer's: weight of all joint speeds, and their bound [rad/s, m/s].
 _WEIGHT, _BOUND = 0.01, 1.0
-# A world on a device at a time: what a step keeps of so many fits the second-level cache.
+# How many worlds a device takes at a time: what a step keeps of so many fits the second-level cache.
 _CHUNK = 256
+# Steps of the solver: enough for every program here to be solved, which is checked.
+_ITERATIONS = 8
 
 
 class ControlSteps:
@@ -90,7 +91,7 @@ def control_step(
         lower=-bound,
         upper=bound,
     )
-    solution = solve_qp(program, iterations=QP_ITERATIONS, fixed=True)
+    solution = solve_qp(program, iterations=_ITERATIONS, fixed=True)
     told = body_twist(solution.value[:3], base[2])
     dt = jnp.asarray(_DT, base.dtype)
     wheels, motion = drive(robot.drive, wheels, told, told, RIM_ACCELERATION, dt)
