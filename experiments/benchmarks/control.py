@@ -53,16 +53,7 @@ class Ours:
     """Our solver on these cases, in float32."""
 
     def __init__(self, cases: QpCases) -> None:
-        arrays = (
-            np.diagonal(cases.hessian, axis1=1, axis2=2),
-            cases.linear,
-            cases.jacobian,
-            cases.twist,
-            cases.rows,
-            cases.limit,
-            cases.lower,
-            cases.upper,
-        )
+        arrays = (np.diagonal(cases.hessian, axis1=1, axis2=2), *cases.arrays[1:])
         self.inputs = on_devices([jnp.asarray(x, jnp.float32) for x in arrays])
         self.count = len(cases)
         chunk = min(_CHUNK, self.count // jax.local_device_count())

@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable
 
 import jax
+import jax.numpy as jnp
 from jax.extend import core
 
 _ARITHMETIC = {
@@ -36,6 +37,8 @@ def _count(jaxpr: core.ClosedJaxpr) -> int:
 
 def _of_equation(equation: core.JaxprEqn) -> int:
     name, params = equation.primitive.name, equation.params
+    if name in _ARITHMETIC | _REDUCTIONS and not jnp.issubdtype(equation.outvars[0].aval.dtype, jnp.floating):  # type: ignore[attr-defined]
+        return 0
     if name in _ARITHMETIC:
         return math.prod(equation.outvars[0].aval.shape)  # type: ignore[attr-defined]
     if name in _REDUCTIONS:

@@ -37,6 +37,12 @@ class QpCases:
     def __len__(self) -> int:
         return len(self.linear)
 
+    @property
+    def arrays(self) -> tuple[np.ndarray, ...]:
+        """M, c, J, v, A, B, lower and upper bounds: what `opt.qp.quadratic_program` takes, in its order."""
+        rows = self.rows, self.limit, self.lower, self.upper
+        return self.hessian, self.linear, self.jacobian, self.twist, *rows
+
 
 @dataclasses.dataclass(frozen=True)
 class QpAnswers:

@@ -37,17 +37,7 @@ def run(settings: ReproduceSettings | None = None, count: int = COUNT) -> Reprod
 
 def ours(cases: QpCases) -> QpAnswers:
     """Our solver in float32, with the whole of M."""
-    arrays = (
-        cases.hessian,
-        cases.linear,
-        cases.jacobian,
-        cases.twist,
-        cases.rows,
-        cases.limit,
-        cases.lower,
-        cases.upper,
-    )
-    solution = _OURS(*(jnp.asarray(x, jnp.float32) for x in arrays))
+    solution = _OURS(*(jnp.asarray(x, jnp.float32) for x in cases.arrays))
     solved = np.asarray(solution.status) == QPStatus.SOLVED
     return QpAnswers(np.asarray(solution.value, float), solved, float("nan"))
 

@@ -49,8 +49,8 @@ class Point:
     drift: Interval
 
     def beats(self, rival: "Point") -> str:
-        """By what this one is better for certain: `error`, or `time` at an error whose interval is not above
-        the rival's; else an empty word, as where not all worlds came to their end.
+        """By what this one is better for certain: `error`, or `time` at an error whose interval overlaps the
+        rival's; else an empty word, as where too many worlds did not come to their end.
         """
         if not math.isfinite(self.error[2]):
             return ""

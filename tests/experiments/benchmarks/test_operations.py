@@ -9,4 +9,4 @@ def test_counts_arithmetic_products_sums_and_rounds():
     assert operations(lambda x: 2 * x + 1, x) == 8
     assert operations(lambda x: (x * x).sum(), x) == 8
     assert operations(lambda x: x @ x, x) == 8
-    assert operations(lambda x: jax.lax.fori_loop(0, 5, lambda i, x: x * 2, x), x) >= 20
+    assert operations(lambda x: jax.lax.fori_loop(0, 5, lambda i, x: x * 2, x), x) == 20
