@@ -62,6 +62,7 @@ def _measured(cell: Cell, seed: int, worlds: int) -> CellResult:
     rivals = {reach: parking(study, cell, reach, few, CHOOSING) for reach in REACHES}
     reach = min(REACHES, key=lambda reach: _worth(rivals[reach]))
     first = HELD_OUT + seed * worlds
+    study = study_for(cell, first)
     points = {theta: halting(study, cell, theta, worlds, first) for theta in THETAS}
     return CellResult(points, parking(study, cell, reach, worlds, first), best, reach)
 

@@ -60,9 +60,9 @@ class Point:
         return "time" if no_worse and self.time[2] < rival.time[1] else ""
 
 
-def study_for(cell: Cell) -> Study:
-    """The cell's curve before the plain wall of the tables, under the preset `s1-simulation`."""
-    return study_of(CURVES[cell.picture](), speed=cell.speed)
+def study_for(cell: Cell, seed: int = 0) -> Study:
+    """The cell's curve before the wall of the tables, preset `s1-simulation`. seed: of the survey."""
+    return study_of(CURVES[cell.picture](), speed=cell.speed, seed=seed)
 
 
 def halting(study: Study, cell: Cell, theta: float, worlds: int, first: int) -> Point:

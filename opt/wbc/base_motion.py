@@ -25,7 +25,7 @@ _APPROACH, _LEAST = 1.5, 0.03
 class BaseDemand(NamedTuple):
     """velocity: demanded base velocity in the map frame (x, y [m/s], yaw [rad/s]). gate: 1 where the base may
     move. steer: 1 while the wheels should turn towards the demand. halt: the latch. waits: 1 while the plan
-    waits for the base.
+    waits for the base. left: way to the station, with yaw times its lever [m].
     """
 
     velocity: Float[Array, "3"]
@@ -33,6 +33,7 @@ class BaseDemand(NamedTuple):
     steer: Float[Array, ""]
     halt: HaltState
     waits: Float[Array, ""]
+    left: Float[Array, ""]
 
 
 class Situation(eqx.Module):
@@ -91,17 +92,18 @@ def demand_base(
         velocity = map_velocity(twist, s.base[2]) * signed
     else:
         velocity = _straight(offset, left, jnp.clip(_APPROACH * left, _LEAST, fastest) * signed, lever)
-    share = jnp.minimum(1.0, 1 / jnp.maximum((jnp.abs(velocity) / speed_limit).max(), 1e-9))
+    most = (jnp.abs(velocity) / jnp.maximum(speed_limit, 1e-9)).max()
+    share = 1 / jnp.maximum(most, 1.0)
     velocity = velocity * share * (1 - arrived)
     ready = drive.readiness(body_twist(velocity, s.base[2]), wheel_angle)
     waits = (parks & ~down) * (1 - arrived)
-    return BaseDemand(velocity, free * jnp.where(signed > 0, ready, 1.0), free, halt, waits)
+    return BaseDemand(velocity, free * jnp.where(signed > 0, ready, 1.0), free, halt, waits, left)
 
 
 def base_at_rest(state: HaltState) -> BaseDemand:
     """The decision of an arm that has no base: halted for ever."""
     zero = jnp.zeros_like(state.halted)
-    return BaseDemand(jnp.zeros_like(zero, shape=(3,)), zero, zero, state, zero)
+    return BaseDemand(jnp.zeros_like(zero, shape=(3,)), zero, zero, state, zero, zero)
 
 
 def _straight(offset: Float[Array, "3"], left, pace, lever) -> Float[Array, "3"]:

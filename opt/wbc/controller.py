@@ -88,10 +88,11 @@ class WholeBodyController(Controller):
         planned = read_reference(self.reference, clock)
         error = _length(planned.position - pose.p)
         in_time = jnp.clip(2 - 2 * error / settings.hold_error, 0.0, 1.0)
-        waiting = update_waiting(memory.waiting, error, in_time, dt)
-        lost = waiting.time >= settings.patience
         pace = self.pace * in_time
         demand = self._demand(memory, measured, planned.at_rate(pace), self.stations.at(clock), dt)
+        missing = jnp.where(demand.waits > 0, demand.left, error)
+        waiting = update_waiting(memory.waiting, missing, in_time * (1 - demand.waits), dt)
+        lost = waiting.time >= settings.patience
         rate = pace * (1 - demand.waits)
         reference = planned.at_rate(rate)
         step = Step(

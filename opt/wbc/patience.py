@@ -25,8 +25,9 @@ def not_waiting(dtype) -> Waiting:
 def update_waiting(
     state: Waiting, error: Float[Array, ""], in_time: Float[Array, ""], dt: Float[Array, ""]
 ) -> Waiting:
-    """One control step. error: of the brush [m]. in_time: share of its pace at
-    which the plan's clock goes on."""
+    """One control step. error: of what is waited for, brush or base [m]. in_time: share of its pace at which
+    the plan's clock goes on.
+    """
     none, stopped = not_waiting(error.dtype), in_time < _SLOW
     nearer = error < state.least - _PROGRESS
     least = jnp.where(stopped, jnp.where(nearer, error, state.least), none.least)

@@ -1,5 +1,9 @@
 """Park, operate, park: the base moves only while the pen is up, and the plan waits for it."""
 
+import dataclasses
+
+import equinox as eqx
+import jax.numpy as jnp
 import numpy as np
 import pytest
 
@@ -49,6 +53,16 @@ def test_waiting_costs_time_and_the_brush_is_where_it_should_be(study):
     assert cut.completed.all() and plain.completed.all()
     assert (cut.time > plain.time + 3).all()
     assert cut.score.total.max() < 5e-4
+
+
+def test_a_base_that_cannot_come_is_given_up(study):
+    """One that has no speed: after ten seconds the robot stops waiting, and says so."""
+    cut = parked(study, REACH)
+    stuck = eqx.tree_at(lambda j: j.settings.base_speed, cut.job, jnp.zeros_like(cut.job.settings.base_speed))
+    run, record = _driven(dataclasses.replace(cut, job=stuck))
+    assert not run.completed.any()
+    assert np.asarray(run.state.gave_up).all()
+    assert not (record.pen[:, -1] > 0.5).any()
 
 
 def _driven(study):
