@@ -3,6 +3,7 @@
 import dataclasses
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 import numpy as np
 
@@ -13,7 +14,8 @@ from jaxpaint.decisions.thresholds import Thresholds, default_thresholds
 @dataclasses.dataclass(frozen=True)
 class Variant:
     """thresholds: of the decisions. lidar, depth, strokes: whether those correct the belief. weights: of base
-    effort and slack in M, where they are not the study's.
+    effort and slack in M, where they are not the study's. drift: how much odometry drifts as the robot takes
+    it, as share of what it truly does.
     """
 
     thresholds: Thresholds
@@ -21,6 +23,7 @@ class Variant:
     depth: bool = True
     strokes: bool = True
     weights: tuple[float, float] | None = None
+    drift: float = 1.0
 
 
 # What a tracking controller sees of its own error [m].
@@ -57,6 +60,8 @@ def variants() -> dict[str, Variant]:
         "lidar alone": Variant(default_thresholds(), depth=False, strokes=False),
         "depth alone": Variant(default_thresholds(), lidar=False, strokes=False),
         "strokes alone": Variant(default_thresholds(), lidar=False, depth=False),
+        "drift taken for half": Variant(default_thresholds(), drift=0.5),
+        "drift taken for double": Variant(default_thresholds(), drift=2.0),
         "without halting": Variant(default_thresholds(halt_travel=np.inf)),
         "without low-speed rule": Variant(default_thresholds(low_speed_scale=0.0)),
         "without low-speed rule and looking": _blind(low_speed_scale=0.0),
@@ -74,6 +79,8 @@ def varied(study: Study, variant: Variant) -> Study:
             *(jnp.asarray(float(x)) for x in (variant.lidar, variant.depth, variant.strokes)),
         ),
     )
+    drift = jax.tree.map(lambda variance: variant.drift**2 * variance, job.sight.drift)
+    job = eqx.tree_at(lambda j: j.sight.drift, job, drift)
     if variant.weights is not None:
         base, slack = variant.weights
         s = job.settings

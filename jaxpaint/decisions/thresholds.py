@@ -15,13 +15,13 @@ class Thresholds(eqx.Module):
     least time that a halted base stays halted [s]. release_margin: distance of the brush from its best place
     before the arm at which a halted base is let go again [m]; 0 lets go at once. low_speed_scale: the
     operator S of S1-(12): the base goes to its station at this multiple of the brush's speed at most, slower
-    as it comes near, but demands 30 mm/s at least, or stands still; 0 switches the rule off, and the base
-    creeps after the brush. one_sided: above 0, S1-(12) as printed, bounds from below only; the halt is then a
-    plain latch. The literal reading of S1-(13) is, besides, dwell and release_margin 0: the base halts for
-    one control step. park: above 0, the base moves only while the pen is up, and the plan waits until it has
-    arrived (park, operate, park; S1's rival). variance_lower, variance_upper: the band of S1-(7) inside which
-    poses count as independent waypoints. halt_temperature [m], release_temperature [m], mode_temperature [-]:
-    temperatures of the decisions.
+    as it comes near, but not slower than `ControllerSettings.base_least_speed`, or stands still; 0 switches
+    the rule off, and the base creeps after the brush. one_sided: above 0, S1-(12) as printed, bounds from
+    below only; the halt is then a plain latch. The literal reading of S1-(13) is, besides, dwell and
+    release_margin 0: the base halts for one control step. park: above 0, the base moves only while the pen is
+    up, and the plan waits until it has arrived (park, operate, park; S1's rival). variance_lower,
+    variance_upper: the band of S1-(7) inside which poses count as independent waypoints. halt_temperature
+    [m], release_temperature [m], mode_temperature [-]: temperatures of the decisions.
     """
 
     halt_travel: Float[Array, ""]

@@ -6,7 +6,7 @@ from jaxtyping import Array, Bool, Float
 
 from opt.qp.feasibility import proves_infeasible
 from opt.qp.iterate import Goal, Iterate, Start, Task, cold, given, goal_of, joined, prepared, warm
-from opt.qp.problem import QuadraticProgram, is_usable
+from opt.qp.problem import QuadraticProgram, is_convex, is_finite
 from opt.qp.step import step
 
 # So many steps are made before an iterate is looked at, from a cold and from a warm start: nearly all
@@ -50,7 +50,8 @@ def _blind_steps(
     goal = given(task, smoothing)
     first = cold(task, goal, jnp.zeros_like(smoothing)) if start is None else warm(task, goal, start)
     point = jax.lax.fori_loop(0, count, lambda _, point: step(task, goal, point), first)
-    done, usable = _converged(task, goal, point, smoothing), is_usable(problem)
+    done = _converged(task, goal, point, smoothing)
+    usable = is_finite(problem) & is_convex(problem)
     return point._replace(
         usable=usable,
         count=jnp.full_like(point.count, count),

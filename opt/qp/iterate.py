@@ -63,8 +63,8 @@ class Iterate(NamedTuple):
 
     stationarity, misses: residuals there, see `with_residuals`. relaxed: 1 once no x meets all hard rows:
     from there on the violation alone is minimised. done: meets its conditions. proven: that no x meets all
-    hard rows. over: nothing is left to do. usable: the program is finite. count: steps so far, of which
-    `begun` belong to earlier starts.
+    hard rows. over: nothing is left to do. usable: the program is finite and convex. count: steps so far, of
+    which `begun` belong to earlier starts.
     """
 
     x: Float[Array, "n"]

@@ -36,6 +36,8 @@ class QPStatus(IntEnum):
     INFEASIBLE = 1  # no x meets all hard rows and bounds; the value violates them least
     NOT_CONVERGED = 2  # a residual above the tolerance after the last iteration
     NOT_FINITE = 3  # NaN in the problem, or infinity outside its bounds; the value is zero
+    NOT_CONVEX = 4  # a compliance below 0, or a diagonal M with such an entry; the value is zero
+    UNBOUNDED = 5  # the cost falls without end where bounds are infinite; the value is some point out there
 
 
 class Duals(eqx.Module):
@@ -112,7 +114,13 @@ def quadratic_program(
     return program
 
 
-def is_usable(problem: QuadraticProgram) -> Bool[Array, ""]:
+def is_convex(problem: QuadraticProgram) -> Bool[Array, ""]:
+    """Whether no weight is negative; a whole M is not looked at, since that would cost a factorisation."""
+    bent = (problem.compliance < 0).any()
+    return ~(bent | (problem.hessian < 0).any()) if problem.hessian.ndim == 1 else ~bent
+
+
+def is_finite(problem: QuadraticProgram) -> Bool[Array, ""]:
     """Whether nothing is NaN, and nothing infinite but bounds that ask for nothing."""
     inner = [problem.hessian, problem.linear, problem.jacobian, problem.target, problem.compliance]
     total = (0 * problem.lower.clip(-1, jnp.inf) + 0 * problem.upper.clip(-jnp.inf, 1)).sum()

@@ -6,11 +6,11 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Bool, Float
 
 from opt.qp.interior_point import solve_path
 from opt.qp.iterate import Iterate, Start
-from opt.qp.problem import Duals, QPSolution, QPStatus, QuadraticProgram, Residuals
+from opt.qp.problem import Duals, QPSolution, QPStatus, QuadraticProgram, Residuals, is_convex
 from opt.qp.sensitivity import change_of_solution
 
 # Bounds nearer than this [unit of x] are moved apart for the iteration: it needs an inside.
@@ -54,10 +54,12 @@ def solve_qp(
     solved = point.done & (point.relaxed == 0)
     status = jnp.where(solved, QPStatus.SOLVED, QPStatus.NOT_CONVERGED)
     status = jnp.where((solved | ~point.proven) & ordered, status, QPStatus.INFEASIBLE)
-    status = jnp.where(usable, status, QPStatus.NOT_FINITE)
     point = point._replace(usable=usable)
     shown = jax.tree.map(lambda a: jnp.where(usable, a, jnp.zeros_like(a)), point)
     value = jnp.where(usable, jnp.clip(point.x, low, high), 0.0)
+    status = jnp.where(solved & _far_out(value, problem), QPStatus.UNBOUNDED, status)
+    status = jnp.where(usable, status, QPStatus.NOT_FINITE)
+    status = jnp.where(is_convex(problem), status, QPStatus.NOT_CONVEX)
     dual = Duals(shown.dual_task, shown.dual_rows, shown.dual[1], shown.dual[0])
     return QPSolution(value, dual, _residuals(inner, point), point.count, status)
 
@@ -66,6 +68,12 @@ def _with_inside(problem: QuadraticProgram) -> QuadraticProgram:
     lower, upper = jnp.maximum(problem.lower, -_FAR), jnp.minimum(problem.upper, _FAR)
     middle, half = (lower + upper) / 2, jnp.maximum((upper - lower) / 2, _LEAST_WIDTH / 2)
     return eqx.tree_at(lambda p: (p.lower, p.upper), problem, (middle - half, middle + half))
+
+
+def _far_out(value: Float[Array, "n"], problem: QuadraticProgram) -> Bool[Array, ""]:
+    """Whether nothing but the stand-in for an infinite bound holds the value."""
+    above = (value > _FAR / 2) & (problem.upper > _FAR)
+    return (above | (value < -_FAR / 2) & (problem.lower < -_FAR)).any()
 
 
 def _central(

@@ -11,15 +11,10 @@ from jaxpaint.decisions.thresholds import Thresholds
 from jaxpaint.steering import AbstractDrive, wrap
 from opt.wbc.limits.low_speed import is_signed
 from opt.wbc.polar import polar_twist
+from opt.wbc.settings import ControllerSettings
 
-# A base nearer to its station than this has arrived [m].
-_ARRIVED = 0.01
-# A halted base does not start for less than this way [m]: every start costs time and scrub.
-_WORTH_A_START = 0.12
 # Further than any margin of reach [m].
 _ANYWHERE = 1e3
-# Approach speed per metre that is left [1/s], and the least speed, six times the dead band [m/s].
-_APPROACH, _LEAST = 1.5, 0.03
 
 
 class BaseDemand(NamedTuple):
@@ -62,7 +57,7 @@ def demand_base(
     speed_limit: Float[Array, "3"],
     state: HaltState,
     thresholds: Thresholds,
-    lever: Float[Array, ""],
+    settings: ControllerSettings,
     dt: Float[Array, ""],
 ) -> BaseDemand:
     """One decision: station, latch, speed, and whether the wheels are ready.
@@ -71,27 +66,28 @@ def demand_base(
     that parks is let go by the pen, whatever the reach and the way, and stays while the pen is down; without
     stations, where the rule is off or as printed, it cannot park.
     """
-    s = situation
+    s, lever = situation, settings.yaw_lever
     offset = jnp.stack(
         [s.station[0] - s.base[0], s.station[1] - s.base[1], wrap(s.station[2] - s.base[2]) * lever]
     )
     left = _length(offset)
     signed = is_signed(thresholds).astype(left.dtype)
-    arrived = (left < _ARRIVED).astype(left.dtype) * signed
+    arrived = (left < settings.base_arrived).astype(left.dtype) * signed
     parks, down = (thresholds.park > 0) & (signed > 0), s.pen > 0.5
-    worthwhile = jnp.maximum((left >= _WORTH_A_START).astype(left.dtype), 1 - signed)
+    worthwhile = jnp.maximum((left >= settings.base_worthwhile).astype(left.dtype), 1 - signed)
     worthwhile = jnp.where(parks, 1.0 - down, worthwhile)
     far = jnp.where(parks, _ANYWHERE, stretch(s.base, s.brush, s.heading, s.home, lever))
     stay = jnp.maximum(arrived, parks & down)
     halt = update_halt(state, s.travelled, far, stay, worthwhile, thresholds, dt)
     free = 1 - halt.halted
-    fastest = jnp.maximum(thresholds.low_speed_scale * s.speed, _LEAST)
+    gain, least = settings.base_approach, settings.base_least_speed
+    fastest = jnp.maximum(thresholds.low_speed_scale * s.speed, least)
     if drive.nonholonomic_rows.shape[0]:
         row = drive.nonholonomic_rows[0]
-        twist = polar_twist(s.base, s.station, row, lever, _APPROACH, (_LEAST, fastest))
+        twist = polar_twist(s.base, s.station, row, lever, gain, (least, fastest))
         velocity = map_velocity(twist, s.base[2]) * signed
     else:
-        velocity = _straight(offset, left, jnp.clip(_APPROACH * left, _LEAST, fastest) * signed, lever)
+        velocity = _straight(offset, left, jnp.clip(gain * left, least, fastest) * signed, lever)
     most = (jnp.abs(velocity) / jnp.maximum(speed_limit, 1e-9)).max()
     share = 1 / jnp.maximum(most, 1.0)
     velocity = velocity * share * (1 - arrived)

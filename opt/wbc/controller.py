@@ -31,8 +31,10 @@ class ControlStatus(IntEnum):
     SOLVED = QPStatus.SOLVED
     INFEASIBLE = QPStatus.INFEASIBLE  # violates hard rows least; stands still where bounds contradict
     NOT_CONVERGED = QPStatus.NOT_CONVERGED  # goes on with the last iterate
-    NOT_FINITE = QPStatus.NOT_FINITE  # stands still
-    OUT_OF_REACH = max(QPStatus) + 1  # the patience is spent: stands still, the brush came no nearer
+    NOT_FINITE = QPStatus.NOT_FINITE  # stands still, here and below
+    NOT_CONVEX = QPStatus.NOT_CONVEX
+    UNBOUNDED = QPStatus.UNBOUNDED
+    OUT_OF_REACH = max(QPStatus) + 1  # the patience is spent: goes back to where it was nearest
 
 
 class Memory(eqx.Module):
@@ -72,7 +74,7 @@ class WholeBodyController(Controller):
             jnp.zeros_like(measured.base),
             jnp.zeros_like(measured.arm),
             measured.base,
-            not_waiting(dtype),
+            not_waiting(measured.arm),
         )
 
     def surface(self, clock) -> Surface:
@@ -91,7 +93,7 @@ class WholeBodyController(Controller):
         pace = self.pace * in_time
         demand = self._demand(memory, measured, planned.at_rate(pace), self.stations.at(clock), dt)
         missing = jnp.where(demand.waits > 0, demand.left, error)
-        waiting = update_waiting(memory.waiting, missing, in_time * (1 - demand.waits), dt)
+        waiting = update_waiting(memory.waiting, missing, measured.arm, in_time * (1 - demand.waits), dt)
         lost = waiting.time >= settings.patience
         rate = pace * (1 - demand.waits)
         reference = planned.at_rate(rate)
@@ -106,6 +108,7 @@ class WholeBodyController(Controller):
             base_velocity=memory.base_velocity,
             arm_velocity=memory.arm_velocity,
             awake=~lost,
+            best=waiting.best,
             dt=dt,
         )
         program = control_program(step, robot, settings, self.thresholds)
@@ -139,7 +142,7 @@ class WholeBodyController(Controller):
             self.robot.base_speed * self.settings.base_speed,
             memory.halt,
             self.thresholds,
-            lever,
+            self.settings,
             dt,
         )
 
@@ -148,7 +151,7 @@ class WholeBodyController(Controller):
     ) -> tuple[Float[Array, "3"], Float[Array, "a"]]:
         """Of base (map frame) and arm: the solution's, or braking where there is none to follow."""
         ordered = (program.lower <= program.upper).all()
-        usable = ordered & (solution.status != QPStatus.NOT_FINITE)
+        usable = ordered & (solution.status < QPStatus.NOT_FINITE)
         robot, s, base = self.robot, self.settings, self.robot.base_size
         still = jnp.zeros_like(step.base_velocity[base:])
         told = (jnp.concatenate([solution.value[:base], still]), solution.value[base:])

@@ -11,24 +11,39 @@ _SLOW = 0.2
 
 
 class Waiting(eqx.Module):
-    """least: smallest error since the plan's clock stopped [m]. time: since it last fell [s]."""
+    """progress: smallest error since the plan's clock all but stopped, as far as it counts as progress [m].
+    time: since the last progress [s]. least: smallest error since the clock stopped for good [m], best: the
+    arm's joints there [rad].
+    """
 
-    least: Float[Array, ""]
+    progress: Float[Array, ""]
     time: Float[Array, ""]
+    least: Float[Array, ""]
+    best: Float[Array, "a"]
 
 
-def not_waiting(dtype) -> Waiting:
+def not_waiting(arm: Float[Array, "a"]) -> Waiting:
     """A clock that goes on."""
-    return Waiting(jnp.full((), jnp.finfo(dtype).max, dtype), jnp.zeros((), dtype))
+    far = jnp.full((), jnp.finfo(arm.dtype).max, arm.dtype)
+    return Waiting(far, jnp.zeros_like(far), far, arm)
 
 
 def update_waiting(
-    state: Waiting, error: Float[Array, ""], in_time: Float[Array, ""], dt: Float[Array, ""]
+    state: Waiting,
+    error: Float[Array, ""],
+    arm: Float[Array, "a"],
+    in_time: Float[Array, ""],
+    dt: Float[Array, ""],
 ) -> Waiting:
-    """One control step. error: of what is waited for, brush or base [m]. in_time: share of its pace at which
-    the plan's clock goes on.
+    """One control step. error: of what is waited for, brush or base [m]. arm: joints [rad]. in_time: share of
+    its pace at which the plan's clock goes on.
     """
-    none, stopped = not_waiting(error.dtype), in_time < _SLOW
-    nearer = error < state.least - _PROGRESS
-    least = jnp.where(stopped, jnp.where(nearer, error, state.least), none.least)
-    return Waiting(least, jnp.where(stopped & ~nearer, state.time + dt, 0.0))
+    slow, stopped, far = in_time < _SLOW, in_time <= 0, not_waiting(arm).least
+    nearer = error < state.progress - _PROGRESS
+    progress = jnp.where(nearer, error, state.progress)
+    return Waiting(
+        jnp.where(slow, progress, far),
+        jnp.where(slow & ~nearer, state.time + dt, 0.0),
+        jnp.where(stopped, jnp.minimum(error, state.least), far),
+        jnp.where(stopped & (error > state.least), state.best, arm),
+    )

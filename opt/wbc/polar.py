@@ -16,8 +16,8 @@ def polar_twist(
     goal: Float[Array, "3"],
     row: Float[Array, "3"],
     lever: Float[Array, ""],
-    gain: float,
-    speeds: tuple[float, Float[Array, ""]],
+    gain: Float[Array, ""],
+    speeds: tuple[Float[Array, ""], Float[Array, ""]],
 ) -> Float[Array, "3"]:
     """Twist (v_x, v_y [m/s], w [rad/s], base frame) with `row` . twist = 0, from the pose `base` to `goal`
     (x, y, yaw).

@@ -34,7 +34,7 @@ class Step(eqx.Module):
 
     links: frames of the chain, pose: of the brush, jacobian: there, all in the map frame. arm: encoders
     [rad]. yaw: of the base by odometry [rad]. base_velocity (map frame), arm_velocity: last commanded. awake:
-    false where the robot gave up and stands still.
+    false where the robot gave up: its base stands still, its arm goes to the joints `best` [rad].
     """
 
     links: Pose
@@ -47,6 +47,7 @@ class Step(eqx.Module):
     base_velocity: Float[Array, "3"]
     arm_velocity: Float[Array, "a"]
     awake: Bool[Array, ""]
+    best: Float[Array, "a"]
     dt: Float[Array, ""]
 
 
@@ -90,14 +91,16 @@ def _demanded(step: Step) -> Float[Array, "3"]:
 def arm_bounds(
     step: Step, share: Float[Array, ""], robot: RobotLimits, settings: ControllerSettings
 ) -> Bounds:
-    """Speed, of which clearance leaves a share, dampers, acceleration; no speed where the robot gave up."""
-    speed = jnp.where(step.awake, robot.arm_speed * settings.arm_speed * share, 0.0)
+    """Speed, of which clearance leaves a share, dampers, acceleration; one speed where the robot gave up."""
+    speed = robot.arm_speed * settings.arm_speed * share
+    back = jnp.clip(settings.position_gain * (step.best - step.arm), -speed, speed)
+    allowed = Bounds(*(jnp.where(step.awake, x, back) for x in speed_bounds(speed)))
     damping = robot.arm_speed * jnp.minimum(settings.arm_speed, 1.0)
     dampers = damper_bounds(
         step.arm, robot.arm_lower, robot.arm_upper, damping, settings.damper_start, settings.damper_stop
     )
     change = robot.arm_acceleration * settings.arm_acceleration * step.dt
-    return within_acceleration(met([speed_bounds(speed), dampers]), step.arm_velocity, change)
+    return within_acceleration(met([allowed, dampers]), step.arm_velocity, change)
 
 
 def base_bounds(

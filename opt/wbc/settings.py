@@ -22,6 +22,10 @@ class ControllerSettings(eqx.Module):
     [26] begins and at which no approach is left [rad]; start 0 leaves dampers out. nonholonomic: 0 leaves out
     the rows of a base that cannot go everywhere.
 
+    Base. base_arrived: a base nearer to its station than this is there [m]. base_worthwhile: a halted base
+    does not start for less than this way [m], since every start costs time and scrub. base_approach: speed
+    per metre that is left [1/s]. base_least_speed: least demand, six times the dead band [m/s].
+
     Clock. hold_error: error at which the path's clock has stopped [m]; it slows from half of that. patience:
     the robot gives a target up whose error has not fallen for so long while the clock waits [s]; infinity
     waits for ever. yaw_lever: metres that count like one radian in base travel. qp_smoothing: see `solve_qp`.
@@ -49,6 +53,10 @@ class ControllerSettings(eqx.Module):
     wall_stop: Float[Array, ""]
     wall_reach: Float[Array, ""]
     gap_blend: Float[Array, ""]
+    base_arrived: Float[Array, ""]
+    base_worthwhile: Float[Array, ""]
+    base_approach: Float[Array, ""]
+    base_least_speed: Float[Array, ""]
     hold_error: Float[Array, ""]
     patience: Float[Array, ""]
     yaw_lever: Float[Array, ""]
@@ -80,6 +88,10 @@ def default_settings(arm_joints: int = 6) -> ControllerSettings:
         "wall_stop": 0.01,
         "wall_reach": 0.6,
         "gap_blend": 0.004,
+        "base_arrived": 0.01,
+        "base_worthwhile": 0.12,
+        "base_approach": 1.5,
+        "base_least_speed": 0.03,
         "hold_error": 0.02,
         "patience": 10.0,
         "yaw_lever": 0.3,

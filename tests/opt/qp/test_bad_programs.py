@@ -76,6 +76,39 @@ def test_contradictory_bounds_are_infeasible_and_infinite_ones_are_no_bounds(ans
     assert nowhere.status == QPStatus.NOT_FINITE
 
 
+@pytest.mark.parametrize("whole", [False, True])
+def test_a_cost_that_falls_for_ever_is_said_to(answer, whole):
+    flat = jnp.asarray([0.0, 1.0, 1.0])
+    M = jnp.diag(flat) if whole else flat
+    s = answer(quadratic_program(M, jnp.array([1.0, 0.0, 0.0]), upper=2.0))
+    assert s.status == QPStatus.UNBOUNDED
+    held = answer(quadratic_program(M, jnp.array([1.0, 0.0, 0.0]), lower=-2.0))
+    assert held.status == QPStatus.SOLVED
+    np.testing.assert_allclose(held.value, [-2, 0, 0], atol=1e-4)
+
+
+@pytest.mark.parametrize("bad", [{"hessian": -1.0}, {"compliance": -1e-3}])
+def test_negative_weights_are_not_convex(answer, bad):
+    """One that is not convex is told from one that is not finite, and leaves no derivative."""
+
+    def program(scale):
+        return quadratic_program(
+            jnp.asarray([bad.get("hessian", 1.0), 1.0, 1.0]),
+            scale * jnp.ones(3),
+            jacobian=jnp.eye(3)[:1],
+            target=jnp.ones(1),
+            compliance=bad.get("compliance", 1e-3),
+            lower=-2.0,
+            upper=2.0,
+        )
+
+    s = answer(program(1.0))
+    assert s.status == QPStatus.NOT_CONVEX
+    np.testing.assert_array_equal(s.value, 0)
+    slope = jax.jacfwd(lambda scale: solve_qp(program(scale)).value)(1.0)
+    np.testing.assert_array_equal(slope, 0)
+
+
 def test_dependent_rows_that_agree_are_solved_and_that_do_not_are_infeasible(answer):
     J = jnp.array([[1.0, 1.0, 0.0], [1.0, 1.0, 0.0], [0.0, 0.0, 0.0]])
     agree = quadratic_program(

@@ -42,7 +42,12 @@ def test_a_goal_beside_the_base_asks_it_to_turn_first():
     base = differential(0.5 * ONE, 0.1 * ONE, ONE)
     law = np.asarray(
         polar_twist(
-            jnp.zeros(3), jnp.asarray([0, 0.5, 0]), base.nonholonomic_rows[0], 0.3 * ONE, 1.5, (0.03, ONE)
+            jnp.zeros(3),
+            jnp.asarray([0, 0.5, 0]),
+            base.nonholonomic_rows[0],
+            0.3 * ONE,
+            1.5 * ONE,
+            (0.03 * ONE, ONE),
         )
     )
     assert law[0] == 0 and law[2] > 0 and law[1] == -0.1 * law[2]
@@ -55,7 +60,7 @@ def test_the_polar_law_reaches_every_pose():
         for goal in rng.uniform([-1, -1, -3], [1, 1, 3], (4, 3)):
             pose, goal = jnp.zeros(3), jnp.asarray(goal, jnp.float32)
             for _ in range(700):
-                twist = polar_twist(pose, goal, row, 0.3 * ONE, 1.5, (0.03, 0.2 * ONE))
+                twist = polar_twist(pose, goal, row, 0.3 * ONE, 1.5 * ONE, (0.03 * ONE, 0.2 * ONE))
                 assert abs(float(row @ twist)) < 1e-6
                 pose = moved(pose, twist * DT)
             off = pose - goal

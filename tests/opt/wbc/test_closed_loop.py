@@ -117,9 +117,10 @@ def test_a_target_out_of_reach_is_given_up_where_the_brush_came_nearest(seen):
     first = int(np.argmax(run.status == ControlStatus.OUT_OF_REACH))
     assert first > 2.0 / DT
     assert (run.status[first:] == ControlStatus.OUT_OF_REACH).all()
-    assert not run.arm_velocity[first + 25 :].any() and not run.twist[first + 25 :].any()
+    assert np.abs(run.arm_velocity[first + 75 :]).max() < 1e-3 and not run.twist[first + 25 :].any()
     assert run.clock[-1] == run.clock[first + 25]
-    assert run.error[-1] < run.error[first - 25 : first].min() + 0.01
+    stood = run.clock[1:first] == run.clock[: first - 1]
+    assert run.error[-1] < run.error[1:first][stood].min() + 1e-4
     waiting = seen["out of reach, waiting"]
     assert not (waiting.status == ControlStatus.OUT_OF_REACH).any()
     np.testing.assert_array_equal(waiting.arm[:first], run.arm[:first])
