@@ -36,8 +36,9 @@ def literal(theta: float) -> Variant:
     S1-(12): lower bounds only; S takes the brush's own speed (a factor of 1: none is printed). S1-(13): the
     base halts when it has travelled Theta [m], for one control step, and is let go whatever the arm's reach.
     M: weights of S1's reference [26], 0.01 for the arm, 0.01 / e for the base and 1 / e for the slack, with e
-    the error of the position, here 0.1 mm. Of ours it keeps what S1 does not print: the plan's clock waits
-    where the brush is far off, manipulability, acceleration limits, dampers and clearance.
+    the error of the position, here 0.1 mm (any below 1 mm gives the same). Of ours it keeps what S1 does not
+    print: the plan's clock waits where the brush is far off, manipulability, acceleration limits, dampers and
+    clearance.
     """
     printed = default_thresholds(
         one_sided=1.0, low_speed_scale=1.0, halt_travel=theta, dwell=0.0, release_margin=0.0
