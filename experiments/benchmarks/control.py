@@ -8,6 +8,8 @@ import numpy as np
 
 from experiments.benchmarks.compare import compare, rate
 from experiments.benchmarks.control_step import ControlSteps
+from experiments.benchmarks.limit import product_rate
+from experiments.benchmarks.operations import operations
 from experiments.benchmarks.qp_loop_peer import QpCases, random_cases, solve_by_daqp, solve_by_quadprog
 from experiments.benchmarks.qpax_peer import qpax_answers
 from experiments.benchmarks.rows import BenchRow
@@ -21,11 +23,12 @@ _INEQUALITIES = 12
 # How many worlds a device takes at a time, and its loops: the first as large as memory allows, the second
 # as fits the cache.
 _CHUNK, _BLOCK = 4096, 256
+_LIMIT = "a matrix product of numpy"
 
 
 def rows() -> list[BenchRow]:
-    """QPs a second: 9 variables, 6 equality rows, box bounds; then with inequality rows besides. Then control
-    steps a second.
+    """QPs a second: 9 variables, 6 equality rows, box bounds; then with inequality rows besides; and the
+    floating-point operations a second which that comes to, beside the limit. Then control steps a second.
     """
     box, inequality = random_cases(_COUNT, _SEED), random_cases(_COUNT_ROWS, _SEED, _INEQUALITIES)
     small = random_cases(_COUNT_QPAX, _SEED)
@@ -36,6 +39,8 @@ def rows() -> list[BenchRow]:
         compare("qp-inequality", ours_rows.value, lambda: solve_by_daqp(inequality).rate, "DAQP in a loop"),
         compare("qp-qpax", ours.value, lambda: qpax_answers(small).rate, "qpax, vmapped"),
         compare("qp-gradient", ours.gradient, ours.value, "the same without gradient"),
+        compare("qp-box-operations", ours.work, product_rate, _LIMIT),
+        compare("qp-inequality-operations", ours_rows.work, product_rate, _LIMIT),
         *_control_step(),
     ]
 
@@ -63,6 +68,10 @@ class Ours:
     def value(self) -> float:
         """Rate of solutions [1/s]."""
         return self._rate(self.run)
+
+    def work(self) -> float:
+        """Rate of floating-point operations [1/s], if no program takes more steps than all do."""
+        return operations(_value, *(x[0] for x in self.inputs)) * self.value()
 
     def gradient(self) -> float:
         """Rate of solutions with the gradient of a function of each to all inputs [1/s]."""
