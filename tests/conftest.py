@@ -7,11 +7,19 @@ import hypothesis
 import jax
 import pytest
 
+from experiments.process import cache_folder
+
 ROOT = Path(__file__).resolve().parents[1]
 
 # Two host devices on any machine, so that splitting worlds over devices is exercised. It must come before the
 # first array is made, so it stands here and not in a fixture.
 jax.config.update("jax_num_cpu_devices", 2)
+
+# Compiled programs are kept, as those of the program itself: both test processes and the next run share them.
+_FOLDER = cache_folder()
+if _FOLDER is not None:
+    jax.config.update("jax_compilation_cache_dir", str(_FOLDER))
+    jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.3)
 
 # Few examples, because each may compile; the same ones each time, because a failure must repeat elsewhere. No
 # deadline: the first example compiles. Function-scoped fixtures are let through for `x64` and `strict_ranks`,
