@@ -32,7 +32,8 @@ def halting_figure(results: "Mapping[Cell, CellResult]") -> Figure:
                     axes[row, 0].set_ylabel(label)
             axes[0, column].set_title(f"{picture}, {'looking' if looking else 'odometry alone'}")
             _name_places(axes[-1, column])
-        axes[0, -1].legend(loc="upper right")
+        lines, labels = axes[0, 0].get_legend_handles_labels()
+        figure.legend(lines, labels, loc="outside upper right", ncols=len(labels))
     return figure
 
 
@@ -55,6 +56,6 @@ def _marks(axes: Axes, places, points, scale: float, colour: str, label: str | N
 
 
 def _name_places(axes: Axes) -> None:
-    names = [f"{theta:g}" if theta < 1e9 else "never" for theta in THETAS]
+    names = [f"{theta:g}" if theta < 1e9 else "∞" for theta in THETAS]
     axes.set_xticks(range(len(THETAS) + 1), [*names, "parks"])
-    axes.set_xlabel("halts after Theta [m]")
+    axes.set_xlabel("Theta [m]")
