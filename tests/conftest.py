@@ -1,5 +1,6 @@
 """What all tests share: two host devices, 64-bit and strict-rank modes, the data beside the repository."""
 
+import signal
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -20,6 +21,10 @@ _FOLDER = cache_folder()
 if _FOLDER is not None:
     jax.config.update("jax_compilation_cache_dir", str(_FOLDER))
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.3)
+
+# Where a test run was put into the background Ctrl-C is ignored, here and in all that is started from here.
+if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # Few examples, because each may compile; the same ones each time, because a failure must repeat elsewhere. No
 # deadline: the first example compiles. Function-scoped fixtures are let through for `x64` and `strict_ranks`,

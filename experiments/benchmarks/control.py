@@ -22,7 +22,7 @@ _COUNT, _COUNT_ROWS, _COUNT_QPAX = 16384, 8192, 512
 _INEQUALITIES = 12
 # How many worlds a device takes at a time, and its loops: the first as large as memory allows, the second
 # as fits the cache.
-_CHUNK, _BLOCK = 4096, 256
+_CHUNK, _BLOCK, _BLOCK_ROWS = 4096, 256, 128
 _LIMIT = "a matrix product of numpy"
 
 
@@ -62,8 +62,9 @@ class Ours:
         self.inputs = on_devices([jnp.asarray(x, jnp.float32) for x in arrays])
         self.count = len(cases)
         chunk = min(_CHUNK, self.count // jax.local_device_count())
-        self.run = batched(_value, in_axes=0, chunk=chunk, block=_BLOCK)
-        self.run_gradient = batched(_value_and_gradient, in_axes=0, chunk=chunk, block=_BLOCK)
+        block = _BLOCK_ROWS if cases.arrays[4].shape[1] else _BLOCK
+        self.run = batched(_value, in_axes=0, chunk=chunk, block=block)
+        self.run_gradient = batched(_value_and_gradient, in_axes=0, chunk=chunk, block=block)
 
     def value(self) -> float:
         """Rate of solutions [1/s]."""

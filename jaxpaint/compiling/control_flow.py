@@ -201,8 +201,8 @@ def in_blocks(
     """A loop over many worlds, so many at a time; None where the equation is no loop that can be split.
 
     Rounds of a fixed number, and calls that make such, are made by one block of worlds after the other. A
-    loop that the worlds leave one by one takes the first of those that go on, until none does: so the slowest
-    few do not keep all others busy.
+    loop that the worlds leave one by one takes some of those that go on, in turn, until none does: so the
+    slowest few do not keep all others busy.
     """
     if equation.primitive.name == "scan":
         return _block_by_block(_scan, equation, inputs, worlds, block, evaluate)
@@ -246,19 +246,36 @@ def _while_in_blocks(equation, inputs, worlds: int, block: int, evaluate: Evalua
     if not loop.by_world:
         return None
 
-    def advance(carry):
+    def advance(state):
+        after, carry = state
         count = jnp.cumsum(loop.goes_on(consts, carry, worlds))
-        # Where fewer go on, the rest of the places stand beyond the last world, and come to nothing.
-        index = jnp.searchsorted(count, jnp.arange(1, block + 1), method="compare_all")
+        index = _next_places(count, after, block)
         few = [_part(v, lambda x: jnp.take(x, index, axis=-1, mode="clip")) for v in consts]
         own = tuple(jnp.take(x, index, axis=-1, mode="clip") for x in carry)
         out = loop.run(few, own, block)
-        return tuple(
+        return index[-1], tuple(
             a.at[..., index].set(b, mode="drop", unique_indices=True) for a, b in zip(carry, out, strict=True)
         )
 
-    out = lax.while_loop(lambda carry: jnp.any(loop.goes_on(consts, carry, worlds)), advance, start)
+    _, out = lax.while_loop(
+        lambda state: jnp.any(loop.goes_on(consts, state[1], worlds)),
+        advance,
+        (jnp.asarray(worlds - 1), start),
+    )
     return list(map(Value, out, loop.flags))
+
+
+def _next_places(count: jax.Array, after: jax.Array, block: int) -> jax.Array:
+    """Of the worlds that go on, so many that come next after one, beginning anew at the end. count: how many
+    go on, up to each. Where fewer go on, the rest of the places stand beyond the last world, and come to
+    nothing.
+    """
+    worlds, total = count.shape[0], count[-1]
+    passed = jnp.where(after < worlds, count[jnp.minimum(after, worlds - 1)], total)
+    nth = jnp.arange(1, block + 1)
+    rank = passed + nth
+    rank = jnp.where(nth <= total, jnp.where(rank > total, rank - total, rank), worlds + 1)
+    return jnp.searchsorted(count, rank, method="compare_all")
 
 
 def _part(value: Value, take: Callable[[jax.Array], jax.Array]) -> Value:

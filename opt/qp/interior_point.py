@@ -13,6 +13,8 @@ from opt.qp.step import step
 # programs need about as many, and to look costs as much as a step. With inequality rows it is one more.
 _BLIND = 9
 _BLIND_WARM = 6
+# After so many more steps those that go on are gathered anew: slow ones then hold up no others.
+_ROUND = 3
 # Relative residual at which an iteration ends, by precision.
 _TOLERANCE = {"float32": 1e-5, "float64": 1e-13}
 
@@ -91,9 +93,13 @@ def _judged_steps(
         return relaxing(point._replace(count=point.count + 1, done=done, proven=proven))
 
     if warmed:
-        point = begun(point, cold(task, given(task, smoothing), 0 * one), ~point.done & ~point.proven)
-    point = jax.lax.while_loop(lambda point: ~point.done & left(point), judged_step, relaxing(point))
-    return point._replace(over=jnp.ones_like(point.done))
+        anew_at_first = (point.begun == 0) & ~point.done & ~point.proven
+        point = begun(point, cold(task, given(task, smoothing), 0 * one), anew_at_first)
+    end = point.count + _ROUND
+    point = jax.lax.while_loop(
+        lambda point: ~point.done & left(point) & (point.count < end), judged_step, relaxing(point)
+    )
+    return point._replace(over=point.done | ~left(point))
 
 
 def _converged(task: Task, goal: Goal, point: Iterate, smoothing: Float[Array, ""]) -> Bool[Array, ""]:

@@ -45,15 +45,19 @@ def solve_lower(factors: LDL, right: Float[Array, "n r"]) -> Float[Array, "n r"]
 
 def solve(factors: LDL, right: Float[Array, "n"]) -> Float[Array, "n"]:
     """x of A x = right, with `n` the size of A."""
-    size = len(factors.inverse)
     rest, forward = right, []
-    for i in range(size):
+    for i in range(len(factors.inverse)):
         forward.append(rest[0])
         rest = rest[1:] - factors.lower[i] * rest[0]
+    return solve_upper(factors, jnp.stack(forward)) if forward else right
+
+
+def solve_upper(factors: LDL, right: Float[Array, "n"]) -> Float[Array, "n"]:
+    """x of D L' x = right."""
     solved: list[Array] = []
-    for i in reversed(range(size)):
-        value = forward[i] * factors.inverse[i]
+    for i in reversed(range(len(factors.inverse))):
+        value = right[i] * factors.inverse[i]
         for k, known in enumerate(solved):
             value = value - factors.lower[i][k] * known
         solved.insert(0, value)
-    return jnp.stack(solved) if solved else right
+    return jnp.stack(solved)

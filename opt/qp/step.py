@@ -6,7 +6,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from opt.qp.iterate import Goal, Iterate, Task, sides, with_residuals
-from opt.qp.newton import NewtonSystem, newton_system
+from opt.qp.newton import FoldedSystem, NewtonSystem, folded_system, newton_system
 
 # Share of the way to the nearest bound that a step may go. Nearer, one case in thousands jams (measured).
 _TO_BOUND = 0.99
@@ -30,7 +30,7 @@ class Local(NamedTuple):
     times near, of the rows gap times near.
     """
 
-    system: NewtonSystem
+    system: NewtonSystem | FoldedSystem
     near: Array
     ratio: Array
     near_rows: Array
@@ -63,7 +63,11 @@ def _local(task: Task, goal: Goal, point: Iterate) -> Local:
     if ratio_rows.shape[0]:
         diagonal = diagonal + jnp.concatenate([jnp.zeros_like(point.dual_task), ratio_rows])
     regular = _REGULAR[task.rows.dtype.name]
-    system = newton_system(goal.hessian, ratio[0] + ratio[1], task.rows, diagonal, regular)
+    curvature, tasks = ratio[0] + ratio[1], point.dual_task.shape[0]
+    if ratio_rows.shape[0] > point.x.shape[0]:
+        system = folded_system(goal.hessian, curvature, task.rows, diagonal, tasks, regular)
+    else:
+        system = newton_system(goal.hessian, curvature, task.rows, diagonal, regular)
     return Local(system, near, ratio, near_rows, ratio_rows)
 
 

@@ -55,7 +55,7 @@ def test_the_error_by_which_the_printed_controller_weighs_does_not_matter(study,
 def test_nothing_drifts_in_a_perfect_world(study):
     perfect = noise_preset("none")
     none = dataclasses.replace(study, job=dataclasses.replace(study.job, noise=perfect))
-    run = follow(varied(none, variants()["without looking"]), 4)
+    run = follow(varied(none, variants()["without looking"]), WORLDS)
     assert run.score.drift_largest.max() < 1e-5
     assert run.score.total.max() < 5e-4
 

@@ -12,7 +12,7 @@ from experiments.tracking.halting import THETAS, Cell, Point, halting, parking
 from experiments.tracking.study import study_of
 from sims.rollout import Record
 
-WORLDS = 4
+WORLDS = 8
 
 
 def _point(error=(1.0, 0.9, 1.1), time=(80.0, 80.0, 80.0)) -> Point:

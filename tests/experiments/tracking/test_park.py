@@ -12,6 +12,8 @@ from sims.painting.drive import drive
 from sims.painting.job import PAINT
 
 REACH = 0.25
+# As the other tests of tracking have: they share compiled programs.
+WORLDS = 8
 
 
 @pytest.fixture(scope="module")
@@ -49,7 +51,7 @@ def test_the_base_moves_only_while_the_pen_is_up(study):
 
 
 def test_waiting_costs_time_and_the_brush_is_where_it_should_be(study):
-    plain, cut = follow(study, 2), follow(parked(study, REACH), 2)
+    plain, cut = follow(study, WORLDS), follow(parked(study, REACH), WORLDS)
     assert cut.completed.all() and plain.completed.all()
     assert (cut.time > plain.time + 3).all()
     assert cut.score.total.max() < 5e-4
@@ -68,7 +70,7 @@ def test_a_base_that_cannot_come_is_given_up(study):
 def _driven(study):
     from experiments.tracking.follow import start_worlds
 
-    index = np.arange(2, dtype=np.int32)
-    plan = type(study.plan)(*(np.repeat(np.asarray(x)[None], 2, axis=0) for x in study.plan))
+    index = np.arange(WORLDS, dtype=np.int32)
+    plan = type(study.plan)(*(np.repeat(np.asarray(x)[None], WORLDS, axis=0) for x in study.plan))
     run = drive(study.job, plan, start_worlds(study, index), index, PAINT)
     return run, run.record
