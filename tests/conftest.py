@@ -8,19 +8,11 @@ import hypothesis
 import jax
 import pytest
 
-from experiments.process import cache_folder
-
 ROOT = Path(__file__).resolve().parents[1]
 
 # Two host devices on any machine, so that splitting worlds over devices is exercised. It must come before the
 # first array is made, so it stands here and not in a fixture.
 jax.config.update("jax_num_cpu_devices", 2)
-
-# Compiled programs are kept, as those of the program itself: both test processes and the next run share them.
-_FOLDER = cache_folder()
-if _FOLDER is not None:
-    jax.config.update("jax_compilation_cache_dir", str(_FOLDER))
-    jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.3)
 
 # Where a test run was put into the background Ctrl-C is ignored, here and in all that is started from here.
 if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:

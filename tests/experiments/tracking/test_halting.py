@@ -54,6 +54,7 @@ def study():
     return study_of(np.stack([u, 0 * u], axis=1), noise="none")
 
 
+@pytest.mark.slow
 def test_a_held_base_starts_less_often_and_a_parked_one_costs_time(study):
     cell = Cell("line", 0.03, looking=False)
     held, never = (halting(study, cell, theta, WORLDS, 0) for theta in (0.4, math.inf))
