@@ -41,7 +41,7 @@ def s1_simulation() -> NoisePreset:
     """S1's Gazebo runs: with it the controller as printed errs by the 24 mm of table I.
 
     By `experiments.tracking.calibration`, on worlds that nothing else uses: 19.5 mm at 5 units of noise,
-    23.1 mm at 6, and in a straight line from there. On the worlds of the table: 24.2 mm. Frozen.
+    23.1 mm at 6, and in a straight line from there. On the worlds of the table: 25.1 mm. Frozen.
     """
     return scaled(6.25)
 
@@ -50,7 +50,7 @@ def s1_real() -> NoisePreset:
     """S1's real robot: with it the controller as printed errs by the 46 mm of table III.
 
     Likewise: 37.4 mm at 10 units of noise, 44.7 mm at 12, and on from there. On the worlds of
-    the table: 47.2 mm. Frozen.
+    the table: 48.8 mm. Frozen.
     """
     return scaled(12.35)
 
