@@ -19,8 +19,8 @@ from jaxtyping import Array, Float
 
 from opt.qp import ldl
 
-# Of a row that is folded: the least D, as share of what the row makes of K's diagonal. At ten times as much
-# one case in a thousand converges no more.
+# Of a row a that is folded: the least D, as share of a K^-1 a'. With 1e-3 three of 4,000 random cases do not
+# converge in float32; with 1e-4 and with this all do, to the same solutions.
 _LEAST_FOLDED = 2e-5
 
 
