@@ -34,22 +34,19 @@ def factor(columns: list[Array], lift: Float[Array, "n"]) -> LDL:
     return LDL(lower, inverse)
 
 
-def solve_lower(factors: LDL, right: Float[Array, "n r"]) -> Float[Array, "n r"]:
+def solve_lower(factors: LDL, right: Float[Array, "n *r"]) -> Float[Array, "n *r"]:
     """Y of L Y = right: then right' A^-1 right = Y' D^-1 Y."""
     rest, rows = right, []
     for i in range(len(factors.inverse)):
         rows.append(rest[0])
-        rest = rest[1:] - factors.lower[i][:, None] * rest[0]
+        column = factors.lower[i] if right.ndim == 1 else factors.lower[i][:, None]
+        rest = rest[1:] - column * rest[0]
     return jnp.stack(rows)
 
 
 def solve(factors: LDL, right: Float[Array, "n"]) -> Float[Array, "n"]:
     """x of A x = right, with `n` the size of A."""
-    rest, forward = right, []
-    for i in range(len(factors.inverse)):
-        forward.append(rest[0])
-        rest = rest[1:] - factors.lower[i] * rest[0]
-    return solve_upper(factors, jnp.stack(forward)) if forward else right
+    return solve_upper(factors, solve_lower(factors, right)) if factors.inverse else right
 
 
 def solve_upper(factors: LDL, right: Float[Array, "n"]) -> Float[Array, "n"]:

@@ -71,7 +71,7 @@ class FoldedSystem(NamedTuple):
         """dx and dl."""
         m = self.tasks.shape[0]
         told = self.weight * h[m:]
-        half = ldl.solve_lower(self.metric, (g + (self.rows * told[:, None]).sum(0))[:, None])[:, 0]
+        half = ldl.solve_lower(self.metric, g + (self.rows * told[:, None]).sum(0))
         dl = h[:m]
         if m:
             scaled = half * jnp.stack(self.metric.inverse)
