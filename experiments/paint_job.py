@@ -9,6 +9,7 @@ import jax.numpy as jnp
 
 from experiments.commands.paint_options import PaintOptions
 from experiments.drawings import built_in_drawing
+from experiments.paint_fidelity import fidelity_of
 from experiments.placing import Placed, placed
 from experiments.resolving import resolved
 from jaxpaint.decisions.thresholds import default_thresholds
@@ -33,10 +34,9 @@ from sims.noise import noise_preset
 from sims.paint import Brush, PaintGrid, canvas_extent
 from sims.painting.job import CONTROL_PERIOD, SURVEY, Job
 from sims.painting.survey import sight_of, survey
-from sims.robots import Robot, check_can_paint, load_robot, robot_model
+from sims.robots import Robot, check_can_paint, load_robot
 from sims.scoring import Wanted, wanted_area
 from sims.sensors import Camera
-from sims.worlds import Fidelity, Kinematic
 
 # Distance of neighbouring points of a stroke [m].
 SPACING = 0.005
@@ -96,7 +96,7 @@ def paint_task(options: PaintOptions) -> PaintTask:
         speed=jnp.asarray(options.speed),
         dt=jnp.asarray(CONTROL_PERIOD),
         seed=jax.random.key_data(seed),
-        fidelity=_fidelity(options),
+        fidelity=fidelity_of(options, robot, canvas),
         colour=jnp.asarray(strokes.colour, jnp.int32),
         colours=len(drawing.colours),
         tool_change=jnp.asarray(options.tool_change_time),
@@ -134,11 +134,3 @@ def _robot(options: PaintOptions) -> Robot:
     except InputError as error:
         raise InputError(f"robot {options.robot}: {error}") from error
     return robot
-
-
-def _fidelity(options: PaintOptions) -> Fidelity:
-    if options.fidelity == "kinematic":
-        return Kinematic()
-    from sims.dynamics import dynamic  # MJX takes a second to import
-
-    return dynamic(robot_model(options.robot, brush_site=options.brush_site, camera_site=options.camera_site))

@@ -26,7 +26,8 @@ Look = Callable[[World, PyTree, Float[Array, ""], PRNGKeyArray], tuple[World, Py
 class RolloutState(eqx.Module):
     """Between blocks. clock: of the plan [s]. steps: control steps while live. faults: steps whose program
     was not solved, or whose target was given up. gave_up: whether the controller gave its target up in the
-    last live step. diverged_at: control step at which a number stopped being finite, -1 while none did.
+    last live step. diverged_at: control step at which a number stopped being finite, or the world left what its fidelity
+    is about; -1 while it did not.
     residual_sum, residual_most: of odometry (`World.residual`) over those steps [m/s]. seen: what looks
     remember; () where nothing is looked at.
     """
@@ -47,6 +48,7 @@ class Record(NamedTuple):
     """What is kept of every `RECORD_EVERY`-th step; stacked over time by the rollout."""
 
     base: Float[Array, "*t 3"]
+    tilt: Float[Array, "*t 3"]
     arm: Float[Array, "*t a"]
     odometry: Float[Array, "*t 3"]
     believed: Float[Array, "*t 3"]
@@ -122,7 +124,7 @@ def _one_step(controller: Controller, fidelity: Fidelity, robot, noise, dt, stat
     decision, memory = controller.decide(state.memory, state.world.measured(), state.clock, dt)
     before = _record(state.world, decision, state.clock, live)
     world = fidelity.step(robot, noise, state.world, decision.command, shock, dt)
-    finite = _all_finite((world, memory, decision.planned, decision.rate))
+    finite = _all_finite((world, memory, decision.planned, decision.rate)) & fidelity.holds(robot, world)
     go = live & finite
     moved = RolloutState(
         world,
@@ -145,6 +147,7 @@ def _one_step(controller: Controller, fidelity: Fidelity, robot, noise, dt, stat
 def _record(world: World, decision, clock, live) -> Record:
     return Record(
         world.base,
+        world.tilt,
         world.arm,
         world.odometry,
         world.believed,

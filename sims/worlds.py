@@ -5,7 +5,7 @@ import dataclasses
 
 import equinox as eqx
 import jax.numpy as jnp
-from jaxtyping import Array, Float, PyTree
+from jaxtyping import Array, Bool, Float, PyTree
 
 from jaxpaint.localisation import Belief
 from jaxpaint.steering import WheelMotion
@@ -23,7 +23,8 @@ class World(eqx.Module):
     as the drives are told. odometry: the base pose that odometry alone believes. belief: what the robot
     believed when it last looked, anchor: odometry then, steered: how far the modules have turned since
     [rad]. slip: this world's own errors. residual: of the last step's odometry, by how much the wheels
-    disagreed on a twist [m/s]. servos: what only its fidelity knows.
+    disagreed on a twist [m/s]. tilt: height of the base over the plane z = 0 [m], roll and pitch [rad], which
+    nobody measures; 0 where a fidelity knows the plane alone. servos: what only its fidelity knows.
     """
 
     base: Float[Array, "3"]
@@ -36,6 +37,7 @@ class World(eqx.Module):
     steered: Float[Array, ""]
     slip: Slip
     residual: Float[Array, ""]
+    tilt: Float[Array, "3"]
     servos: PyTree = ()
 
     @property
@@ -52,7 +54,8 @@ def standing(base: Float[Array, "3"], arm: Float[Array, "a"], slip: Slip, wheels
     """A robot at rest that knows where it is."""
     still, zero = at_rest(jnp.zeros((wheels,), base.dtype)), jnp.zeros((), base.dtype)
     known = Belief(base, jnp.zeros((3, 3), base.dtype))
-    return World(base, arm, jnp.zeros_like(arm), still, base, known, base, zero, slip, zero)
+    level = jnp.zeros_like(base)
+    return World(base, arm, jnp.zeros_like(arm), still, base, known, base, zero, slip, zero, level)
 
 
 class Fidelity(eqx.Module):
@@ -73,6 +76,11 @@ class Fidelity(eqx.Module):
         dt: Float[Array, ""],
     ) -> World:
         """The world one control step later. shock: standard normal numbers for the base's random walk."""
+
+    def holds(self, robot: RobotLimits, world: World) -> Bool[Array, ""]:
+        """Whether the world can still be meant, or has left all that its model is about: then it diverged."""
+        del robot, world
+        return jnp.ones((), bool)
 
 
 class Kinematic(Fidelity):

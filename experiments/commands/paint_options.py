@@ -28,8 +28,13 @@ class PaintOptions(RunOptions):
     """Kind of wall, or a captured cloud or a mesh as the wall."""
     worlds: Annotated[int, allowed.whole("N", at_least=1)] = 64
     """Randomised worlds, in groups of up to 32 for each core, or 256 in all: docs/exports.md."""
-    fidelity: Annotated[str, allowed.choice("kinematic", "dynamic", later=("wheeled",))] = "kinematic"
-    """How the robot moves: commanded velocities within limits (kinematic), or by servos (dynamic)."""
+    fidelity: Annotated[str, allowed.choice("kinematic", "dynamic", "wheeled")] = "kinematic"
+    """How the robot moves: commanded velocities within limits (kinematic), by servos (dynamic), or on wheels
+    that roll and slip (wheeled)."""
+    floor: Annotated[str, allowed.choice("flat", "ramp", "bump")] = "flat"
+    """What wheels roll on; a ramp or a speed bump lies across the way along the wall."""
+    friction: Annotated[float, allowed.number("MU", above=0)] = 0.8
+    """Of the wheels on the floor [-]."""
     refine: Annotated[str, allowed.choice("none", later=("agn",))] = "none"
     """What improves the scanned cloud before it is used."""
     controller: Annotated[str, allowed.choice("acp", "whole-body", "trajectory")] = "acp"
@@ -135,6 +140,7 @@ class PaintOptions(RunOptions):
             (bool(self.export), "beside --export", ("export_world",)),
             (self.halting, "without --no-halting", ("theta", "dwell", "release_margin")),
             (self.low_speed, "without --no-low-speed", ("low_speed_scale",)),
+            (self.fidelity == "wheeled", "beside --fidelity wheeled", ("floor", "friction")),
         )
         defaults = defaults_of(type(self))
         return {

@@ -7,10 +7,11 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import mujoco
-from jaxtyping import Array, Float
+from jaxtyping import Array, Bool, Float
 
 from opt.wbc import RobotLimits
 from sims.driver import drive
+from sims.dynamics.arm_servos import arm_holds, arm_reference
 from sims.dynamics.engine import Engine
 from sims.dynamics.model import planar_model
 from sims.dynamics.parameters import GRAVITY_ERROR, POSITION_RATE, Physics, physics_of
@@ -18,8 +19,6 @@ from sims.worlds import RIM_ACCELERATION, Fidelity, World, rolled_base
 
 # Physics steps in a control step of 20 ms.
 SUBSTEPS = 4
-# The arm's reference stays this near to the joints [rad]: a servo at its force limit winds nothing up.
-_LEASH = 0.1
 
 
 class Servos(NamedTuple):
@@ -73,6 +72,10 @@ class Dynamic(Fidelity):
         moved_on = rolled_base(robot, noise, world, wheels, motion, shock, dt)
         return dataclasses.replace(moved_on, arm=arm, arm_velocity=arm_velocity, servos=servos)
 
+    def holds(self, robot: RobotLimits, world: World) -> Bool[Array, ""]:
+        """Whether the arm is no faster than it could be driven."""
+        return arm_holds(robot, world.arm_velocity)
+
     def _physics(self, robot: RobotLimits, world: World, told, arm_velocity, dt):
         """Displacement of the base at its mean heading (x, y [m], yaw [rad]), the arm, and the servos."""
         p, h, base = self.physics, dt / self.substeps, jnp.zeros_like(world.base)
@@ -85,7 +88,7 @@ class Dynamic(Fidelity):
 
         def substep(state, share):
             q, v, goal, pace = state
-            goal, pace = _reference(robot, q[3:], goal, pace, arm_velocity, h)
+            goal, pace = arm_reference(robot, q[3:], goal, pace, arm_velocity, h)
             wanted = before + share * (told - before)
             base = _turned(p.velocity_gain[:3] * wanted + push, q[2])
             arm = p.position_gain * goal + p.velocity_gain[3:] * pace
@@ -97,15 +100,6 @@ class Dynamic(Fidelity):
         (q, v, goal, pace), _ = jax.lax.scan(substep, start, shares)
         servos = Servos(_turned(v[:3], -q[2]), told, goal, pace)
         return _turned(q[:3], -q[2] / 2), q[3:], v[3:], servos
-
-
-def _reference(robot: RobotLimits, arm, goal, pace, commanded, h):
-    """Where the arm is told to be, and how fast, one physics step of `h` [s] later."""
-    change = robot.arm_acceleration * h
-    pace = pace + jnp.clip(commanded - pace, -change, change)
-    pace = jnp.clip(pace, -robot.arm_speed, robot.arm_speed)
-    goal = jnp.clip(goal + pace * h, robot.arm_lower, robot.arm_upper)
-    return arm + jnp.clip(goal - arm, -_LEASH, _LEASH), pace
 
 
 def _turned(twist: Float[Array, "3"], angle: Float[Array, ""]) -> Float[Array, "3"]:

@@ -15,6 +15,7 @@ from sims.robots import Robot
 from sims.scenes.scene import Scene
 from sims.sensors import Camera
 from sims.sight import Sight
+from sims.truth import Calibration
 from sims.worlds import Fidelity, Kinematic
 
 # One control step [s].
@@ -28,8 +29,9 @@ class Job(eqx.Module):
     camera_rotation, camera_base, camera_joints: the viewpoints, see `jaxpaint.planning.Viewpoints`. echoes:
     what the lidar saw of the wall before the scan (x, y) [m], NaN for nothing. sight: what the robot looks
     with as it moves. seed: key data of the job's random numbers. speed: of the brush [m/s]. fidelity: how
-    truly worlds move. colour: of each stroke; None: all are one. colours: how many the picture has, with and
-    without strokes. tool_change: time that a change of colour takes [s].
+    truly worlds move. calibration: what the robot's picture of itself is wrong by. colour: of each stroke;
+    None: all are one. colours: how many the picture has, with and without strokes. tool_change: time that a
+    change of colour takes [s].
     """
 
     robot: Robot
@@ -54,6 +56,7 @@ class Job(eqx.Module):
     dt: Float[Array, ""]
     seed: UInt32[Array, "2"]
     fidelity: Fidelity = Kinematic()
+    calibration: Calibration = eqx.field(default_factory=Calibration)
     colour: Int[Array, " strokes"] | None = None
     colours: int = eqx.field(static=True, default=1)
     tool_change: Float[Array, ""] | float = CHANGE_TIME

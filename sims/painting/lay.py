@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from jaxpaint.compiling import batched, one_by_one
-from jaxpaint.kinematics.chain import KinematicChain, forward
+from jaxpaint.kinematics.chain import KinematicChain
 from sims.paint import Brush, Paint, PaintGrid, contact, deposit, window_cells
 from sims.painting.drive import Driven
 from sims.painting.films import Films, Group, split
@@ -27,6 +27,8 @@ from sims.scoring import (
     score_paint_worlds,
     tracking_score,
 )
+from sims.truth import Calibration
+from sims.truth import true_brush as brush_of
 
 # Records are padded to a multiple of this, so that few lengths are ever compiled.
 _ROWS = 512
@@ -69,19 +71,20 @@ class _Layer(eqx.Module):
     colours: int = eqx.field(static=True)
 
 
-def _brush(chain: KinematicChain, q: Float[Array, "joints"]):
-    pose = forward(chain, q)
+def _brush(chain: KinematicChain, wrong: Calibration, base, tilt, arm):
+    pose = brush_of(chain, wrong, base, tilt, arm)
     return pose.p, pose.R[:, 2]
 
 
-_BRUSH = batched(_brush, in_axes=(None, 0), chunk=256)
+_BRUSH = batched(_brush, in_axes=(None, None, 0, 0, 0), chunk=256)
 
 
 def true_brush(job: Job, driven: Driven) -> Truth:
     """The true brush from the true base and the arm, at every record."""
-    q = np.concatenate([driven.record.base, driven.record.arm], axis=-1)
-    position, axis = _BRUSH(job.robot.chain, jnp.asarray(q.reshape(-1, q.shape[-1])))
-    shape = (*q.shape[:2], 3)
+    places = driven.record.base, driven.record.tilt, driven.record.arm
+    rows = (jnp.asarray(x.reshape(-1, x.shape[-1])) for x in places)
+    position, axis = _BRUSH(job.robot.chain, job.calibration, *rows)
+    shape = (*driven.record.pen.shape, 3)
     return Truth(np.asarray(position).reshape(shape), np.asarray(axis).reshape(shape))
 
 

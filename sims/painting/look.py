@@ -28,6 +28,7 @@ from sims.painting.job import Job
 from sims.painting.marks import Marks, in_view, with_mark
 from sims.sensors import scan
 from sims.sensors.patch import see_pixels
+from sims.truth import true_brush, true_camera, true_lidar
 from sims.worlds import World
 
 # Pixels of the depth picture that are looked at, as x / z and y / z: from its middle down towards the brush,
@@ -71,11 +72,7 @@ def _scanned(job: Job, world: World, belief: Belief, key: PRNGKeyArray) -> Evide
     """What a scan from where the base truly is says."""
     mount, lidar = job.robot.T_base_lidar, job.sight.scanner
     heading = jnp.arctan2(mount.R[1, 0], mount.R[0, 0])
-    c, s = jnp.cos(world.base[2]), jnp.sin(world.base[2])
-    x = world.base[0] + c * mount.p[0] - s * mount.p[1]
-    y = world.base[1] + s * mount.p[0] + c * mount.p[1]
-    place = jnp.stack([x, y, mount.p[2]])
-    ranges, valid = scan(job.scene, lidar, place, world.base[2] + heading, key=key)
+    ranges, valid = scan(job.scene, lidar, true_lidar(job.robot, world.base, world.tilt), key=key)
     at = jnp.stack([mount.p[0], mount.p[1], heading])
     return match_scan(job.sight.outline, belief.pose, at, ranges, valid, lidar.bearings, _scans())
 
@@ -88,9 +85,8 @@ def _scans() -> ScanSettings:
 def _wall_before_the_brush(job: Job, world: World, belief: Belief, surface: Surface, key) -> Evidence:
     """What the depth camera says of the wall beside the brush."""
     chain = job.robot.camera_chain
-    depth, valid = see_pixels(
-        job.scene, job.sight.camera, job.noise.depth, _placed(chain, world.base, world.arm), _rays(), key=key
-    )
+    true = true_camera(job.robot, job.calibration, world.base, world.tilt, world.arm)
+    depth, valid = see_pixels(job.scene, job.sight.camera, job.noise.depth, true, _rays(), key=key)
     points = _in_map(_placed(chain, belief.pose, world.arm), depth[:, None] * _rays())
     return match_plane(points, valid, belief.pose[:2], surface.point, surface.normal)
 
@@ -98,7 +94,8 @@ def _wall_before_the_brush(job: Job, world: World, belief: Belief, surface: Surf
 def _strokes(job: Job, world: World, belief: Belief, marks: Marks, clock, key) -> Evidence:
     """What the strokes in view say."""
     chain = job.robot.camera_chain
-    local, valid = in_view(marks, _placed(chain, world.base, world.arm), clock)
+    true = true_camera(job.robot, job.calibration, world.base, world.tilt, world.arm)
+    local, valid = in_view(marks, true, clock)
     local = local + _EDGE * jax.random.normal(key, local.shape, local.dtype)
     seen = _in_map(_placed(chain, belief.pose, world.arm), local)
     number = jnp.maximum(valid.sum(), 1)
@@ -110,7 +107,7 @@ def _strokes(job: Job, world: World, belief: Belief, marks: Marks, clock, key) -
 
 def _marked(job: Job, world: World, marks: Marks, surface: Surface, clock) -> Marks:
     """The marks with the brush's present one."""
-    true = _placed(job.robot.chain, world.base, world.arm).p
+    true = true_brush(job.robot.chain, job.calibration, world.base, world.tilt, world.arm).p
     believed = _placed(job.robot.chain, world.belief.pose, world.arm).p
     variance = (world.belief.covariance[0, 0] + world.belief.covariance[1, 1]) / 2
     return with_mark(marks, true, believed, surface, variance, clock)

@@ -17,6 +17,7 @@ from sims.painting.job import DEPTH, SLIP, START, Job
 from sims.painting.motion import SETTLE, clear_motion, motion_duration, motion_rows
 from sims.painting.postures import solve_apart
 from sims.sensors import crop_to_canvas, merge_views, observe, render, thin
+from sims.truth import true_camera
 from sims.worlds import World, standing
 
 # Points of a world's merged cloud: a static budget.
@@ -115,17 +116,20 @@ def steps_for(job: Job, duration, *, multiple: int = 500) -> int:
     return multiple * max(1, int(np.ceil((longest / float(job.dt) + 2) / multiple)))
 
 
-def _views(job: Job, q_true: Float[Array, "views joints"], q_believed: Float[Array, "views joints"]) -> View:
-    camera = job.robot.camera_chain
+def _views(
+    job: Job,
+    base: Float[Array, "views 3"],
+    tilt: Float[Array, "views 3"],
+    arm: Float[Array, "views arm"],
+    believed: Float[Array, "views 3"],
+) -> View:
+    rows = range(base.shape[0])
+    true = [true_camera(job.robot, job.calibration, base[k], tilt[k], arm[k]) for k in rows]
+    taken = [forward(job.robot.camera_chain, jnp.concatenate([believed[k], arm[k]])) for k in rows]
+    return View(*(Pose(jnp.stack([f.p for f in x]), jnp.stack([f.R for f in x])) for x in (true, taken)))
 
-    def poses(rows):
-        found = [forward(camera, q) for q in rows]
-        return Pose(jnp.stack([f.p for f in found]), jnp.stack([f.R for f in found]))
 
-    return View(poses(q_true), poses(q_believed))
-
-
-_VIEWS = batched(_views, in_axes=(None, 0, 0))
+_VIEWS = batched(_views, in_axes=(None, 0, 0, 0, 0))
 
 
 def _see(job: Job, view: View, index: Int[Array, ""]):
@@ -150,8 +154,6 @@ def see(job: Job, scan: ScanPlan, driven: Driven, index: np.ndarray):
     record = jax.tree.map(np.asarray, driven.record)
     reached = record.clock[:, None] >= np.asarray(scan.look)[..., None]
     row = np.where(reached.any(-1), reached.argmax(-1), record.clock.shape[1] - 1)[..., None]
-    arm = np.take_along_axis(record.arm, row, axis=1)
-    true = np.concatenate([np.take_along_axis(record.base, row, axis=1), arm], axis=-1)
-    believed = np.concatenate([np.take_along_axis(record.believed, row, axis=1), arm], axis=-1)
-    view = _VIEWS(job, jnp.asarray(true), jnp.asarray(believed))
+    kept = record.base, record.tilt, record.arm, record.believed
+    view = _VIEWS(job, *(jnp.asarray(np.take_along_axis(x, row, axis=1)) for x in kept))
     return _SEE(job, view, jnp.asarray(index, jnp.int32))

@@ -5,7 +5,9 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float, PRNGKeyArray
 
+from jaxpaint.kinematics import Pose
 from jaxpaint.kinematics.chain import forward
+from jaxpaint.kinematics.rotations import exponential
 from jaxpaint.localisation import outline_of
 from jaxpaint.mapping.canvas import Canvas
 from jaxpaint.planning import (
@@ -73,11 +75,11 @@ def echoes_before(
     """
     yaw = float(canvas.yaw)
     place = jnp.asarray(lidar_place(canvas, arm, robot), float)
-    lidar = Lidar()
-    ranges, valid = jax.jit(lambda p, heading: scan(scene, lidar, p, heading, key=key))(place, canvas.yaw)
-    heading = np.asarray(lidar.bearings, float) + yaw
+    lidar, heading = Lidar(), canvas.yaw * jnp.asarray([0.0, 0.0, 1.0])
+    ranges, valid = jax.jit(lambda p, w: scan(scene, lidar, Pose(p, exponential(w)), key=key))(place, heading)
+    bearing = np.asarray(lidar.bearings, float) + yaw
     reach = np.where(np.asarray(valid), np.asarray(ranges, float), np.nan)[:, None]
-    return np.asarray(place, float)[:2] + reach * np.stack([np.cos(heading), np.sin(heading)], axis=1)
+    return np.asarray(place, float)[:2] + reach * np.stack([np.cos(bearing), np.sin(bearing)], axis=1)
 
 
 def lidar_place(canvas: Canvas, arm: CameraArm, robot: Robot) -> Float[np.ndarray, "3"]:

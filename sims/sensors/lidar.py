@@ -5,6 +5,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, PRNGKeyArray
 
+from jaxpaint.kinematics import Pose
 from sims.parameters import scalar
 from sims.scenes.scene import Scene
 
@@ -32,12 +33,13 @@ class Lidar(eqx.Module):
 
 
 def scan(
-    scene: Scene, lidar: Lidar, p_map_lidar: Float[Array, "3"], yaw: Float[Array, ""], *, key: PRNGKeyArray
+    scene: Scene, lidar: Lidar, T_map_lidar: Pose, *, key: PRNGKeyArray
 ) -> tuple[Float[Array, "beams"], Bool[Array, "beams"]]:
-    """Noisy ranges [m] (0 where invalid) and their validity, for a level scanner with heading `yaw` [rad]."""
-    heading = lidar.bearings + yaw
-    directions = jnp.stack([jnp.cos(heading), jnp.sin(heading), jnp.zeros_like(heading)], axis=-1)
-    hits = jax.vmap(scene.raycast, in_axes=(None, 0))(p_map_lidar, directions)
+    """Noisy ranges [m] (0 where invalid) and their validity. Beams lie in the frame's x-y plane."""
+    ahead, left = T_map_lidar.R[None, :, 0], T_map_lidar.R[None, :, 1]
+    bearing = lidar.bearings[:, None]
+    directions = jnp.cos(bearing) * ahead + jnp.sin(bearing) * left
+    hits = jax.vmap(scene.raycast, in_axes=(None, 0))(T_map_lidar.p, directions)
     range_key, drop_key = jax.random.split(key)
     noise = lidar.sigma * jax.random.normal(range_key, hits.distance.shape, hits.distance.dtype)
     echoed = jax.random.uniform(drop_key, hits.distance.shape) >= lidar.dropout

@@ -1,0 +1,9 @@
+"""MJX, which prints as it is imported that Warp is not there."""
+
+import contextlib
+import io
+
+with contextlib.redirect_stdout(io.StringIO()):
+    from mujoco import mjx
+
+__all__ = ["mjx"]

@@ -1,0 +1,140 @@
+"""MJX with contacts: a robot on its wheels as a function from its state to the next."""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import mujoco
+import numpy as np
+from jaxtyping import Array, Float
+
+from jaxpaint.kinematics.rotations import rotation_from_quaternion
+from sims.dynamics.quiet import mjx
+from sims.dynamics.servos import floats_as, masses_of, servos
+from sims.dynamics.tree import Placed, Tree
+from sims.robots.model import matrix
+from sims.wheeled.attitude import integrated
+from sims.wheeled.parameters import WheeledPhysics
+
+# What makes a model, besides its `WheeledPhysics`.
+_FIXED = (
+    "body_parentid",
+    "body_pos",
+    "body_quat",
+    "body_iquat",
+    "body_invweight0",
+    "jnt_bodyid",
+    "jnt_type",
+    "jnt_pos",
+    "jnt_axis",
+    "geom_type",
+    "geom_size",
+    "geom_pos",
+    "geom_quat",
+    "geom_bodyid",
+    "pair_geom1",
+    "pair_geom2",
+    "mesh_vert",
+)
+
+
+class Motion(NamedTuple):
+    """Position and speed of the free joint and of all others as MuJoCo has them, and the last acceleration,
+    from which the next step's contact forces are sought.
+    """
+
+    q: Float[Array, " nq"]
+    v: Float[Array, " nv"]
+    a: Float[Array, " nv"]
+
+
+class WheeledEngine:
+    """A `wheeled_model` in MJX, fixed when programs are compiled: its structure, and numbers that
+    `WheeledPhysics` has not. Two engines of equal models are equal, so a program is not compiled twice.
+    """
+
+    def __init__(self, rolling: mujoco.MjModel):
+        self.model = mjx.put_model(rolling, impl="jax")
+        self.data = mjx.make_data(rolling, impl="jax")
+        self.tree = Tree(rolling)
+        self._moving = np.flatnonzero(rolling.geom_bodyid > 0)
+        self._carrier = np.array(rolling.geom_bodyid[self._moving]) - 1
+        self._R_geom = np.stack([matrix(np.zeros(3), quat)[:3, :3] for quat in rolling.geom_quat])
+        self._content = tuple(np.asarray(getattr(rolling, name)).tobytes() for name in _FIXED)
+
+    def __eq__(self, other) -> bool:
+        return isinstance(other, WheeledEngine) and self._content == other._content
+
+    def __hash__(self) -> int:
+        return hash(self._content)
+
+    def advance(
+        self, model: mjx.Model, now: Motion, ctrl: Float[Array, " joints"], balanced: Float[Array, " joints"]
+    ) -> Motion:
+        """The robot after one physics step; `model` by `with_physics`. Servos as in `sims.dynamics.Engine`.
+
+        Damping acts like inertia for a step, which is `implicitfast`, but the contacts' solver knows it too:
+        MuJoCo's own integrator adds it after the contacts, and then stiff drives slip where nothing pulls.
+        """
+        tree, h, gravity = self.tree, model.opt.timestep, model.opt.gravity
+        root = rotation_from_quaternion(now.q[3:7]), now.q[:3]
+        placed = tree.place(masses_of(model), root, now.q[7:])
+        carried = tree.composite(placed.spatial)
+        weight = tree.weight(placed, carried, gravity)[6:]
+        pulled = servos(model, now.q[7:], now.v[6:], ctrl + balanced * weight)
+        free = jnp.zeros(6, now.q.dtype)
+        implicit = model.dof_armature + h * jnp.concatenate([free, pulled.damping])
+        inertia = tree.inertia(placed, carried, implicit)
+        force = jnp.concatenate([free, pulled.force]) - model.dof_damping * now.v
+        force = force - tree.bias(placed, now.v, gravity)
+        smooth = jax.scipy.linalg.cho_solve(jax.scipy.linalg.cho_factor(inertia), force)
+        data = self._touching(model, now, placed).tree_replace(
+            {"_impl.M": inertia, "qfrc_smooth": force, "qacc_smooth": smooth, "qacc_warmstart": now.a}
+        )
+        a = mjx.solve(model, data).qacc
+        v = now.v + h * a
+        q = jnp.concatenate([integrated(now.q[:7], v[:6], h), now.q[7:] + h * v[6:]])
+        return Motion(q, v, a)
+
+    def _touching(self, model: mjx.Model, now: Motion, placed: Placed) -> mjx.Data:
+        """MJX's data with all that contacts need, and the contacts."""
+        R, p = self.tree.bodies(placed)
+        R_geom, p_geom = R[self._carrier], p[self._carrier]
+        moving = p_geom + (R_geom * model.geom_pos[self._moving][:, None, :]).sum(-1)
+        turned = (R_geom[:, :, :, None] * self._R_geom[self._moving].astype(R.dtype)[:, None]).sum(2)
+        data = floats_as(self.data, now.q.dtype).replace(
+            qpos=now.q,
+            qvel=now.v,
+            geom_xpos=model.geom_pos.at[self._moving].set(moving),
+            geom_xmat=jnp.asarray(self._R_geom, R.dtype).at[self._moving].set(turned),
+            cdof=placed.screw,
+            subtree_com=jnp.broadcast_to(placed.com, (model.nbody, 3)),
+        )
+        return mjx.make_constraint(model, mjx.collision(model, data))
+
+    def with_physics(self, physics: WheeledPhysics, timestep: Float[Array, ""]) -> mjx.Model:
+        """The model with these parameters, in their dtype. timestep [s]."""
+        model = floats_as(self.model, timestep.dtype)
+        p, world, free = physics, jnp.zeros((1,), timestep.dtype), jnp.zeros((6,), timestep.dtype)
+        mass = jnp.concatenate([world, p.mass])
+        bias = jnp.stack([jnp.zeros_like(p.velocity_gain), -p.position_gain, -p.velocity_gain], axis=1)
+        rest = model.actuator_biasprm[:, 3:]
+        zero, one = jnp.zeros_like(p.tyre), jnp.ones_like(p.tyre)
+        pairs = jnp.ones((model.npair, 1), timestep.dtype)
+        sliding = jnp.stack([p.friction, p.friction, zero, zero, zero])
+        return model.tree_replace(
+            {
+                "body_mass": mass,
+                "body_ipos": jnp.concatenate([model.body_ipos[:1], p.center]),
+                "body_inertia": jnp.concatenate([model.body_inertia[:1], p.inertia]),
+                "dof_armature": jnp.concatenate([free, p.armature]),
+                "dof_damping": jnp.concatenate([free, p.damping]),
+                "actuator_biasprm": jnp.concatenate([bias, rest], axis=1),
+                "actuator_forcerange": jnp.stack([-p.force_limit, p.force_limit], axis=1),
+                "pair_friction": pairs * sliding,
+                "pair_solref": pairs * jnp.stack([p.tyre, one]),
+                "pair_solreffriction": pairs * jnp.stack([zero, -p.grip]),
+                "opt.gravity": p.gravity,
+                "opt.timestep": timestep,
+            }
+        )  # type: ignore[return-value]
