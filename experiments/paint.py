@@ -20,6 +20,7 @@ from sims.painting.decide import Chooser
 from sims.painting.lay import paint_scores
 from sims.painting.mission import Mission, run_mission
 from sims.painting.views_seen import share_seen
+from sims.randomise import Ranges, randomised
 from sims.rollout import RECORD_EVERY
 from sims.scoring import WorldScore, summarise, world_scores
 
@@ -103,8 +104,10 @@ def groups_of(worlds: int) -> list[np.ndarray]:
 
 
 def _mission(task: PaintTask, options: PaintOptions, index: np.ndarray, advance) -> Mission:
-    controller = cast(Chooser, options.controller)
-    return run_mission(task.job, task.grid, index, controller=controller, advance=advance)
+    controller, job = cast(Chooser, options.controller), task.job
+    if options.randomise:
+        job = randomised(job, Ranges().scaled(options.randomise, options.friction), index)
+    return run_mission(job, task.grid, index, controller=controller, advance=advance)
 
 
 def score(task: PaintTask, mission: Mission) -> list[WorldScore]:

@@ -26,10 +26,9 @@ Look = Callable[[World, PyTree, Float[Array, ""], PRNGKeyArray], tuple[World, Py
 class RolloutState(eqx.Module):
     """Between blocks. clock: of the plan [s]. steps: control steps while live. faults: steps whose program
     was not solved, or whose target was given up. gave_up: whether the controller gave its target up in the
-    last live step. diverged_at: control step at which a number stopped being finite, or the world left what its fidelity
-    is about; -1 while it did not.
-    residual_sum, residual_most: of odometry (`World.residual`) over those steps [m/s]. seen: what looks
-    remember; () where nothing is looked at.
+    last live step. diverged_at: control step at which a number stopped being finite, or the world left what
+    its fidelity is about (`Fidelity.holds`); -1 while it did not. residual_sum, residual_most: of odometry
+    (`World.residual`) over those steps [m/s]. seen: what looks remember; () where nothing is looked at.
     """
 
     world: World

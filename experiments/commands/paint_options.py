@@ -35,6 +35,9 @@ class PaintOptions(RunOptions):
     """What wheels roll on; a ramp or a speed bump lies across the way along the wall."""
     friction: Annotated[float, allowed.number("MU", above=0)] = 0.8
     """Of the wheels on the floor [-]."""
+    randomise: Annotated[float, allowed.number("F", at_least=0)] = 0.0
+    """How much worlds differ in masses, friction, servos, calibration, latency, noise and slope of the floor:
+    1 as in a workshop, 0 not at all: docs/worlds.md."""
     refine: Annotated[str, allowed.choice("none", later=("agn",))] = "none"
     """What improves the scanned cloud before it is used."""
     controller: Annotated[str, allowed.choice("acp", "whole-body", "trajectory")] = "acp"

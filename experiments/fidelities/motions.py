@@ -26,9 +26,8 @@ class Motion:
         """Told twists of the base, within its accelerations, and of the steering, a row a control step."""
         before, going = (round(x / CONTROL_PERIOD) for x in (_BEFORE, self.seconds))
         wanted = np.array([self.twist(k * CONTROL_PERIOD) for k in range(going)])
-        wanted = np.concatenate(
-            [np.zeros((before, 3)), wanted, np.zeros((round(_AFTER / CONTROL_PERIOD), 3))]
-        )
+        after = np.zeros((round(_AFTER / CONTROL_PERIOD), 3))
+        wanted = np.concatenate([np.zeros((before, 3)), wanted, after])
         ways = wanted[before]
         steer = np.where(np.abs(wanted).sum(axis=1, keepdims=True) > 0, wanted, ways)
         return _limited(wanted), steer

@@ -2,5 +2,17 @@
 
 from jaxpaint.compiling.batch_last import batch_last
 from jaxpaint.compiling.batched import Batched, batched, on_devices, one_by_one
+from jaxpaint.compiling.per_world import Batch, PerWorld, per_world, repeated, without_marks
 
-__all__ = ["Batched", "batch_last", "batched", "on_devices", "one_by_one"]
+__all__ = [
+    "Batch",
+    "Batched",
+    "PerWorld",
+    "batch_last",
+    "batched",
+    "on_devices",
+    "one_by_one",
+    "per_world",
+    "repeated",
+    "without_marks",
+]

@@ -10,6 +10,7 @@ import numpy as np
 from jax.sharding import Mesh, NamedSharding, PartitionSpec
 
 from jaxpaint.compiling.batch_last import batch_last
+from jaxpaint.compiling.per_world import is_marked, without_marks
 from jaxpaint.compiling.rules import Value, spread
 
 # XLA deletes barriers before it fuses (`cse_barrier_expander`), and splits large operations over a thread
@@ -49,9 +50,11 @@ class Batched:
         self.traces, self.compile_s = 0, 0.0
 
     def __call__(self, *args):
-        """Runs all worlds; batched arguments and every result have a leading worlds axis."""
-        flat, tree = jax.tree.flatten(args)
+        """Runs all worlds; batched arguments and every result have a leading worlds axis, and so has what is
+        marked by `PerWorld` in arguments that worlds share.
+        """
         axes = self._leaf_axes(args)
+        flat, tree = jax.tree.flatten(tuple(without_marks(arg).tree for arg in args))
         counts = {np.shape(x)[0] for x, batched in zip(flat, axes, strict=True) if batched}
         if len(counts) != 1:
             raise ValueError(
@@ -68,9 +71,10 @@ class Batched:
 
     def _leaf_axes(self, args) -> tuple[bool, ...]:
         return tuple(
-            axis is not None
+            axis is not None or is_marked(leaf)
             for arg, axis in zip(args, self._in_axes, strict=True)
-            for _ in jax.tree.leaves(arg)
+            for leaf in jax.tree.leaves(arg, is_leaf=is_marked)
+            for _ in jax.tree.leaves(leaf)
         )
 
     def _program(self, flat, tree, axes, per_device, mesh) -> Callable:

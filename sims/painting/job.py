@@ -68,4 +68,4 @@ class Job(eqx.Module):
 
 
 # Purposes of random numbers.
-START, SLIP, DEPTH, SCAN, APPROACH, PAINT, SURVEY = range(7)
+START, SLIP, DEPTH, SCAN, APPROACH, PAINT, SURVEY, RANDOMISED = range(8)

@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
-from jaxpaint.compiling import batched, one_by_one
+from jaxpaint.compiling import batched, one_by_one, repeated
 from jaxpaint.kinematics.chain import KinematicChain
 from sims.paint import Brush, Paint, PaintGrid, contact, deposit, window_cells
 from sims.painting.drive import Driven
@@ -83,7 +83,8 @@ def true_brush(job: Job, driven: Driven) -> Truth:
     """The true brush from the true base and the arm, at every record."""
     places = driven.record.base, driven.record.tilt, driven.record.arm
     rows = (jnp.asarray(x.reshape(-1, x.shape[-1])) for x in places)
-    position, axis = _BRUSH(job.robot.chain, job.calibration, *rows)
+    wrong = repeated(job.calibration, driven.record.pen.shape[1])
+    position, axis = _BRUSH(job.robot.chain, wrong, *rows)
     shape = (*driven.record.pen.shape, 3)
     return Truth(np.asarray(position).reshape(shape), np.asarray(axis).reshape(shape))
 
