@@ -8,12 +8,15 @@ import mujoco
 import numpy as np
 from jaxtyping import Array, Float
 
-from jaxpaint.kinematics.rotations import rotation_from_quaternion
+from jaxpaint.kinematics.rotations import cross, rotation_from_quaternion
 from sims.dynamics.quiet import mjx
 from sims.dynamics.servos import floats_as, masses_of, servos
 from sims.dynamics.tree import Placed, Tree
 from sims.robots.model import matrix
 from sims.wheeled.attitude import integrated
+from sims.wheeled.contacts import Contacts, touching
+from sims.wheeled.model import GIVING, STIFFER
+from sims.wheeled.newton import accelerations
 from sims.wheeled.parameters import WheeledPhysics
 
 # What makes a model, besides its `WheeledPhysics`.
@@ -59,6 +62,7 @@ class WheeledEngine:
         self.tree = Tree(rolling)
         self._moving = np.flatnonzero(rolling.geom_bodyid > 0)
         self._carrier = np.array(rolling.geom_bodyid[self._moving]) - 1
+        self.wheel, self._sign, self._mobility = self._pairs(rolling)
         self._R_geom = np.stack([matrix(np.zeros(3), quat)[:3, :3] for quat in rolling.geom_quat])
         self._content = tuple(np.asarray(getattr(rolling, name)).tobytes() for name in _FIXED)
 
@@ -67,6 +71,19 @@ class WheeledEngine:
 
     def __hash__(self) -> int:
         return hash(self._content)
+
+    def _pairs(self, rolling: mujoco.MjModel) -> tuple[tuple[int, ...], np.ndarray, np.ndarray]:
+        """Of each of MJX's contacts: its wheel, whether its normal points to the wheel (1) or away (-1), and
+        the wheel's body_invweight0 [1/kg].
+        """
+        pairs = np.asarray(
+            jax.jit(lambda data: mjx.collision(self.model, data)._impl.contact.geom)(self.data)
+        )
+        carrier = np.asarray(rolling.geom_bodyid)[pairs]
+        sign = np.where(carrier[:, 1] > 0, 1.0, -1.0)
+        body = carrier.max(axis=1)
+        order = {int(b): k for k, b in enumerate(np.unique(body))}
+        return tuple(order[int(b)] for b in body), sign, rolling.body_invweight0[body, 0]
 
     def advance(
         self, model: mjx.Model, now: Motion, ctrl: Float[Array, " joints"], balanced: Float[Array, " joints"]
@@ -87,17 +104,35 @@ class WheeledEngine:
         inertia = tree.inertia(placed, carried, implicit)
         force = jnp.concatenate([free, pulled.force]) - model.dof_damping * now.v
         force = force - tree.bias(placed, now.v, gravity)
-        smooth = jax.scipy.linalg.cho_solve(jax.scipy.linalg.cho_factor(inertia), force)
-        data = self._touching(model, now, placed).tree_replace(
-            {"_impl.M": inertia, "qfrc_smooth": force, "qacc_smooth": smooth, "qacc_warmstart": now.a}
-        )
-        a = mjx.solve(model, data).qacc
+        touches = self._contacts(model, now, placed)
+        a = accelerations(inertia, force, touches, self.wheel, now.a)
         v = now.v + h * a
         q = jnp.concatenate([integrated(now.q[:7], v[:6], h), now.q[7:] + h * v[6:]])
         return Motion(q, v, a)
 
-    def _touching(self, model: mjx.Model, now: Motion, placed: Placed) -> mjx.Data:
-        """MJX's data with all that contacts need, and the contacts."""
+    def _contacts(self, model: mjx.Model, now: Motion, placed: Placed) -> Contacts:
+        found = self._collided(model, now, placed)._impl.contact
+        columns = np.array([[0, 1, 2, 3, 4, 5, 6 + 2 * k, 7 + 2 * k] for k in self.wheel])
+        screw = placed.screw[columns]
+        lever = (found.pos - placed.com[None])[:, None, :] + jnp.zeros_like(screw[..., 3:])
+        moves = screw[..., 3:] + cross(screw[..., :3], lever)  # of the contact's point on the wheel
+        rows = (found.frame[:, :, None, :] * moves[:, None, :, :]).sum(-1)
+        jacobian = self._sign[:, None, None].astype(rows.dtype) * rows
+        speed = (jacobian * now.v[columns][:, None, :]).sum(-1)
+        return touching(
+            found.dist,
+            jacobian,
+            speed,
+            mobility=jnp.asarray(self._mobility, rows.dtype),
+            friction=model.pair_friction[0, 0],
+            tyre=jnp.maximum(model.pair_solref[0, 0], 2 * model.opt.timestep),
+            grip=-model.pair_solreffriction[0, 1],
+            giving=GIVING,
+            stiffer=STIFFER,
+        )
+
+    def _collided(self, model: mjx.Model, now: Motion, placed: Placed) -> mjx.Data:
+        """MJX's data with the contacts of its own collision functions."""
         R, p = self.tree.bodies(placed)
         R_geom, p_geom = R[self._carrier], p[self._carrier]
         moving = p_geom + (R_geom * model.geom_pos[self._moving][:, None, :]).sum(-1)
@@ -107,10 +142,8 @@ class WheeledEngine:
             qvel=now.v,
             geom_xpos=model.geom_pos.at[self._moving].set(moving),
             geom_xmat=jnp.asarray(self._R_geom, R.dtype).at[self._moving].set(turned),
-            cdof=placed.screw,
-            subtree_com=jnp.broadcast_to(placed.com, (model.nbody, 3)),
         )
-        return mjx.make_constraint(model, mjx.collision(model, data))
+        return mjx.collision(model, data)
 
     def with_physics(self, physics: WheeledPhysics, timestep: Float[Array, ""]) -> mjx.Model:
         """The model with these parameters, in their dtype. timestep [s]."""

@@ -18,10 +18,10 @@ from sims.wheeled.floors import Flat, Floor
 # Newton's method needs few iterations from the last step's forces; each one's line search likewise.
 _ITERATIONS, _LINE_SEARCH = 4, 4
 # Sliding friction counts so much stiffer than the normal forces [-].
-_STIFFER = 10.0
+STIFFER = 10.0
 # Share of a load that a tyre gives way to at once, and the rest with the time constant of `WheeledPhysics`:
 # hard, and wheels that are turned on the spot hop, as the solver lifts what slides.
-_GIVING = 0.5
+GIVING = 0.5
 # The base's yaw axis passes the base's origin as near as this [m].
 _BESIDE = 1e-3
 
@@ -138,7 +138,7 @@ def _touch(spec: mujoco.MjSpec, floor: Sequence[str], treads: Sequence[str]) -> 
         for ground in floor:
             pair = spec.add_pair(name=f"{tread} {ground}", geomname1=ground, geomname2=tread)
             pair.condim = 3
-            pair.solimp = [_GIVING, _GIVING, 0.001, 0.5, 2]
+            pair.solimp = [GIVING, GIVING, 0.001, 0.5, 2]
 
 
 def _solver(spec: mujoco.MjSpec) -> None:
@@ -147,4 +147,4 @@ def _solver(spec: mujoco.MjSpec) -> None:
     option.integrator = mujoco.mjtIntegrator.mjINT_EULER
     option.solver, option.cone = mujoco.mjtSolver.mjSOL_NEWTON, mujoco.mjtCone.mjCONE_ELLIPTIC
     option.iterations, option.ls_iterations = _ITERATIONS, _LINE_SEARCH
-    option.impratio = _STIFFER
+    option.impratio = STIFFER
