@@ -1,7 +1,7 @@
 """What contacts of treads with the floor ask of a robot's accelerations: MuJoCo's soft elliptic cones.
 
-A contact resists with a force whose pull on the acceleration a is the slope of a convex cost s(J a - r). J: the
-contact's Jacobian (normal, two tangents), r: the acceleration that would end penetration and slip in time.
+A contact resists with a force whose pull on the acceleration a is the slope of a convex cost s(J a - r).
+J: the contact's Jacobian (normal, two tangents), r: the acceleration that would end penetration and slip.
 """
 
 from typing import NamedTuple
@@ -78,9 +78,8 @@ def touching(
     """
     touches = distance < 0
     stiff = giving / ((1 - giving) * mobility)
-    weight = jnp.where(
-        touches[:, None], stiff[:, None] * jnp.asarray([1.0, stiffer, stiffer], speed.dtype), 0
-    )
+    ratio = jnp.asarray([1.0, stiffer, stiffer], speed.dtype)
+    weight = jnp.where(touches[:, None], stiff[:, None] * ratio, 0)
     damping, spring = 2 / (giving * tyre), 1 / (giving * tyre) ** 2
     normal = -damping * speed[:, :1] - spring * giving * distance[:, None]
     reference = jnp.concatenate([normal, -grip / giving * speed[:, 1:]], axis=1)

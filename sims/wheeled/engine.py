@@ -76,9 +76,8 @@ class WheeledEngine:
         """Of each of MJX's contacts: its wheel, whether its normal points to the wheel (1) or away (-1), and
         the wheel's body_invweight0 [1/kg].
         """
-        pairs = np.asarray(
-            jax.jit(lambda data: mjx.collision(self.model, data)._impl.contact.geom)(self.data)
-        )
+        found = jax.jit(lambda data: mjx.collision(self.model, data)._impl.contact.geom)
+        pairs = np.asarray(found(self.data))
         carrier = np.asarray(rolling.geom_bodyid)[pairs]
         sign = np.where(carrier[:, 1] > 0, 1.0, -1.0)
         body = carrier.max(axis=1)

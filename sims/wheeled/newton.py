@@ -2,8 +2,8 @@
 
     1/2 a' M a - f' a + sum over contacts s(J a - r)
 
-M is an arrow: wheels and arm meet only in the base, and contacts join no two wheels. So each step takes a 2 by 2
-matrix for each wheel and a 6 by 6 one for the base; the arm's is the same for all steps.
+M is an arrow: wheels and arm meet only in the base, and contacts join no two wheels. So each step takes a 2
+by 2 matrix for each wheel and a 6 by 6 one for the base; the arm's is the same for all steps.
 """
 
 from typing import NamedTuple
@@ -15,7 +15,7 @@ from jaxtyping import Array, Float
 
 from sims.wheeled.contacts import Contacts, cone_cost
 
-# Newton's steps from the last accelerations, and those of each line search: what sticks and slides changes seldom.
+# Newton's steps from the last accelerations, and those of each line search: what slides changes seldom.
 _STEPS, _SEARCH = 5, 3
 _BASE = 6
 
@@ -121,11 +121,8 @@ def _solve(parts: Arrow, added: Float[Array, "w 8 8"], force: Float[Array, " dof
     inverse = _inverse(parts.wheel + added[:, _BASE:, _BASE:])
     of_wheels, of_arm = force[_BASE:first].reshape(wheels, 2), force[first:]
     carried = (beside[:, :, :, None] * inverse[:, None]).sum(2)  # beside wheel^-1
-    rest = (
-        force[:_BASE]
-        - (carried * of_wheels[:, None, :]).sum((0, 2))
-        - (parts.follows * of_arm[:, None]).sum(0)
-    )
+    rest = force[:_BASE] - (carried * of_wheels[:, None, :]).sum((0, 2))
+    rest = rest - (parts.follows * of_arm[:, None]).sum(0)
     eliminated = (carried[:, :, None, :] * beside[:, None, :, :]).sum((0, 3))
     base = parts.base + added[:, :_BASE, :_BASE].sum(0) - eliminated - parts.eased
     x = cho_solve(cho_factor(base), rest)
