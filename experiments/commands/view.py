@@ -31,9 +31,10 @@ class ViewOptions(RunOptions):
     frames: Annotated[int | None, allowed.whole("N", at_least=1, at_most=1000, unset=str(FRAMES))] = None
     """Pictures of the film strip, evenly spaced over the run. Given, it asks for OpenGL: without, the exit
     status is 1."""
-    size: Annotated[
-        tuple[int, int], allowed.whole("WIDTH HEIGHT", at_least=64, at_most=4096, count=2)
-    ] = (720, 540)
+    size: Annotated[tuple[int, int], allowed.whole("WIDTH HEIGHT", at_least=64, at_most=4096, count=2)] = (
+        720,
+        540,
+    )
     """Width and height of one picture [pixels]."""
 
     CHOSEN_FROM: ClassVar[Mapping[str, tuple[str, ...]]] = {"world": ("run",), "frames": ()}
@@ -42,7 +43,9 @@ class ViewOptions(RunOptions):
         """Raise InputError for the first option that is not allowed, alone or beside another."""
         super().check()
         if (self.frames or FRAMES) * self.size[0] * self.size[1] > LARGEST:
-            refuse("--frames, --size", (self.frames or FRAMES, *self.size), f"{LARGEST} pixels in all or fewer")
+            refuse(
+                "--frames, --size", (self.frames or FRAMES, *self.size), f"{LARGEST} pixels in all or fewer"
+            )
 
 
 def execute(options: ViewOptions, folder: RunFolder) -> Outcome:

@@ -21,21 +21,30 @@ class View:
     azimuth: float
     elevation: float
 
+    @property
+    def forward(self) -> Float[np.ndarray, "3"]:
+        """Unit direction in which the camera looks."""
+        flat = np.cos(self.elevation)
+        return np.array([flat * np.cos(self.azimuth), flat * np.sin(self.azimuth), np.sin(self.elevation)])
+
+    @property
+    def position(self) -> Float[np.ndarray, "3"]:
+        """Where the camera stands [m]."""
+        return self.lookat - self.distance * self.forward
+
 
 def view_of(points: Float[np.ndarray, "n 3"], yaw: float, aspect: float) -> View:
     """The nearest camera that sees all points, behind and above a robot whose wall has the heading `yaw`
     [rad]. aspect: width of the picture over its height.
     """
-    azimuth, elevation = yaw + _ASIDE, _DOWN
-    flat = np.array([np.cos(azimuth), np.sin(azimuth), 0.0])
-    forward = np.cos(elevation) * flat + np.array([0, 0, np.sin(elevation)])
-    right = np.array([flat[1], -flat[0], 0.0])
-    axes = np.stack([right, np.cross(right, forward)])
+    towards = View(points.mean(axis=0), 0.0, float(yaw + _ASIDE), float(_DOWN))
+    right = np.array([np.sin(towards.azimuth), -np.cos(towards.azimuth), 0.0])
+    axes = np.stack([right, np.cross(right, towards.forward)])
     reach = np.tan(FIELD / 2) * np.array([aspect, 1.0]) / _RIM
-    middle, distance = points.mean(axis=0), 0.0
+    middle, distance = towards.lookat, 0.0
     for _ in range(20):  # what is nearer looks larger: the middle of the picture is none of the points
-        aside, ahead = (points - middle) @ axes.T, (points - middle) @ forward
+        aside, ahead = (points - middle) @ axes.T, (points - middle) @ towards.forward
         distance = float((np.abs(aside) / reach - ahead[:, None]).max())
         seen = aside / (distance + ahead)[:, None]
         middle = middle + 0.5 * distance * (seen.max(axis=0) + seen.min(axis=0)) / 2 @ axes
-    return View(middle, distance, float(azimuth), float(elevation))
+    return dataclasses.replace(towards, lookat=middle, distance=distance)

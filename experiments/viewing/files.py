@@ -11,15 +11,15 @@ from jaxtyping import Float
 
 from experiments.placing import placed
 from experiments.viewing.camera import view_of
-from experiments.viewing.model import add_keyframes, look_from, room_model
+from experiments.viewing.model import add_keyframes, hide_what_blocks, light, look_from, room_model
 from experiments.viewing.recorded import Motion, Recorded
 from experiments.viewing.wheels import wheel_angles
 from jaxpaint.errors import InputError
 from jaxpaint.mapping.canvas import Canvas
 
 MODEL, TRAJECTORY, SCRIPT = "model.xml", "trajectory.npz", "play.py"
-# Poses that the camera is to show.
-_POSES = 20
+# Poses that the camera is to show, and points of them to which it needs a clear sight.
+_POSES, _LOOKS = 20, 200
 
 
 def write_view(recorded: Recorded, motion: Motion, folder: Path, aspect: float) -> None:
@@ -28,11 +28,14 @@ def write_view(recorded: Recorded, motion: Motion, folder: Path, aspect: float) 
     aspect: width over height of the pictures that are to show all of it.
     """
     place = placed(recorded.options)
-    spec = room_model(recorded.options, place.scene, place.canvas)
+    spec = room_model(recorded.options, place.scene)
     model = spec.compile()
     qpos = positions(model, motion)
     points = np.concatenate([_canvas_corners(place.canvas), _robot_points(model, qpos)])
-    look_from(spec, view_of(points, float(place.canvas.yaw), aspect))
+    view = view_of(points, float(place.canvas.yaw), aspect)
+    look_from(spec, view)
+    light(spec, place.canvas, view.distance)
+    hide_what_blocks(spec, model, view, points[:: len(points) // _LOOKS + 1])
     add_keyframes(spec, motion.time, qpos)
     _take_along(spec, folder)
     (folder / MODEL).write_text(spec.to_xml(), encoding="utf-8")

@@ -12,20 +12,22 @@ from sims.scenes import scene_mjcf
 from sims.scenes.scene import Scene
 
 WALL = "wall/"
+# A wall within this share of the way from the camera to what it looks at is in the way; group of such walls.
+_NEARER, _NOT_SHOWN = 0.5, 5
 # Moments of the run among the model's keyframes.
 KEYFRAMES = 20
 _SKY, _HORIZON = (0.80, 0.86, 0.92), (0.97, 0.98, 0.99)
-# A lamp from behind the robot's left shoulder, whose shadows fall to the right of the brush: so far before the
-# canvas, to its left, and above its middle [m]. A spot: shadows of MuJoCo's parallel light speckle the floor.
-_LAMP = (2.5, 2.0, 2.9)
+# A lamp from behind the robot's left shoulder, whose shadows fall to the right of the brush: its direction
+# from the canvas (before it, left, up) and how much further than the camera it is. A spot: parallel light
+# in MuJoCo, and lamps near by, have shadows that speckle the floor.
+_LAMP, _FURTHER = np.array([0.58, 0.46, 0.67]), 1.3
 
 
-def room_model(options: PaintOptions, scene: Scene, canvas: Canvas) -> mujoco.MjSpec:
+def room_model(options: PaintOptions, scene: Scene) -> mujoco.MjSpec:
     """The robot of a painting job with its scene, whose names begin with `wall/`. Raises InputError."""
     spec = robot_spec(options.robot, brush_site=options.brush_site)
     wall = mujoco.MjSpec.from_string(scene_mjcf(scene))
     spec.attach(wall, prefix=WALL, frame=spec.worldbody.add_frame())
-    _light(spec, canvas)
     return spec
 
 
@@ -37,30 +39,24 @@ def look_from(spec: mujoco.MjSpec, view: View) -> None:
     visual.fovy = np.degrees(FIELD)
 
 
-def add_keyframes(
-    spec: mujoco.MjSpec, time: Float[np.ndarray, " t"], qpos: Float[np.ndarray, "t nq"]
-) -> None:
-    """Evenly spaced moments of the run in place of the robot's own keyframes."""
-    for key in list(spec.keys):
-        spec.delete(key)
-    for row in np.unique(np.linspace(0, len(time) - 1, KEYFRAMES).astype(int)):
-        spec.add_key(name=f"at {time[row]:.1f} s", time=time[row], qpos=qpos[row])
+def light(spec: mujoco.MjSpec, canvas: Canvas, distance: float) -> None:
+    """Light from all sides, a lamp with shadows, and a bright sky where the robot brings none.
 
-
-def _light(spec: mujoco.MjSpec, canvas: Canvas) -> None:
-    """Light from all sides, a lamp with shadows, and a bright sky where the robot brings none."""
-    visual = spec.visual
-    visual.headlight.ambient, visual.headlight.diffuse = np.full(3, 0.45), np.full(3, 0.3)
-    visual.headlight.specular = np.full(3, 0.05)
-    axes = np.stack([np.asarray(axis, float) for axis in (-canvas.ray, -canvas.u_axis, canvas.v_axis)])
+    distance: of the camera [m].
+    """
+    head = spec.visual.headlight
+    head.ambient, head.diffuse, head.specular = np.full(3, 0.5), np.full(3, 0.3), np.full(3, 0.05)
+    towards = _LAMP @ np.stack(
+        [np.asarray(axis, float) for axis in (-canvas.ray, -canvas.u_axis, canvas.v_axis)]
+    )
     spec.worldbody.add_light(
         name=f"{WALL}lamp",
         type=mujoco.mjtLightType.mjLIGHT_SPOT,
-        pos=np.asarray(canvas.center, float) + _LAMP @ axes,
-        dir=-(_LAMP @ axes) / np.linalg.norm(_LAMP),
+        pos=np.asarray(canvas.center, float) + _FURTHER * distance * towards,
+        dir=-towards,
         cutoff=70.0,
         exponent=1.0,
-        diffuse=np.full(3, 0.5),
+        diffuse=np.full(3, 0.45),
         specular=np.full(3, 0.1),
         castshadow=True,
     )
@@ -75,3 +71,29 @@ def _light(spec: mujoco.MjSpec, canvas: Canvas) -> None:
         width=256,
         height=1536,
     )
+
+
+def hide_what_blocks(
+    spec: mujoco.MjSpec, model: mujoco.MjModel, view: View, points: Float[np.ndarray, "n 3"]
+) -> None:
+    """Puts walls that stand between the camera and the points, nearer to the camera, into a group that is not
+    shown: a camera behind a room's wall sees into the room.
+    """
+    data, geom = mujoco.MjData(model), np.zeros(1, np.int32)
+    mujoco.mj_forward(model, data)
+    for point in points:
+        way = point - view.position
+        before = mujoco.mj_ray(model, data, view.position, way, None, 1, -1, geom, None)
+        name = model.geom(geom[0]).name if 0 <= before < _NEARER else ""
+        if name.startswith(WALL):
+            spec.geom(name).group = _NOT_SHOWN
+
+
+def add_keyframes(
+    spec: mujoco.MjSpec, time: Float[np.ndarray, " t"], qpos: Float[np.ndarray, "t nq"]
+) -> None:
+    """Evenly spaced moments of the run in place of the robot's own keyframes."""
+    for key in list(spec.keys):
+        spec.delete(key)
+    for row in np.unique(np.linspace(0, len(time) - 1, KEYFRAMES).astype(int)):
+        spec.add_key(name=f"at {time[row]:.1f} s", time=time[row], qpos=qpos[row])

@@ -37,7 +37,9 @@ def lines(run: dict[str, np.ndarray]) -> list[tuple[float, np.ndarray, np.ndarra
         start = row[0]
         for k in row[1:]:
             if np.linalg.norm(brush[k] - brush[start]) >= length or k == row[-1]:
-                found.append((float(run["time"][k]), brush[start], brush[k], run["palette"][run["colour"][k]]))
+                found.append(
+                    (float(run["time"][k]), brush[start], brush[k], run["palette"][run["colour"][k]])
+                )
                 start = k
     return found
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import NoReturn
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Float, Int
 
 from experiments.commands.paint_options import PaintOptions
 from experiments.comparison import SUMMARY, read_run
@@ -118,7 +118,11 @@ def _arrays(path: Path, option: str) -> dict[str, np.ndarray]:
 def _check_sizes(arrays, refuse) -> None:
     """Worlds, samples, joints and colours are as many everywhere."""
     rows = arrays["time"].shape
-    wrong = [name for name, axes in _AXES.items() if axes > 1 and name != "palette" and arrays[name].shape[:2] != rows]
+    wrong = [
+        name
+        for name, axes in _AXES.items()
+        if axes > 1 and name != "palette" and arrays[name].shape[:2] != rows
+    ]
     joints = arrays["base"].shape[-1] + arrays["joints"].shape[-1]
     if len(arrays["world"]) != rows[0] or len(arrays["joint_names"]) != joints:
         wrong.append("world or joint_names")
