@@ -7,7 +7,7 @@ from jaxtyping import Float
 
 # The camera looks this far to the side of straight into the wall, and down [rad]: from straight behind, the
 # robot would hide what it paints.
-_ASIDE, _DOWN = np.radians(-32.0), np.radians(-24.0)
+_ASIDE, _DOWN = np.radians(-24.0), np.radians(-24.0)
 # Angle of view, upright [rad], and what is left at the rims.
 FIELD, _RIM = np.radians(45.0), 1.05
 

@@ -87,11 +87,10 @@ def _take_along(spec: mujoco.MjSpec, folder: Path) -> None:
     homes = {"mesh": above / spec.meshdir, "hfield": above / spec.meshdir, "texture": above / spec.texturedir}
     for kind, number, asset in _assets(spec):
         source = homes[kind] / asset.file
-        # An asset without a name goes by that of its file.
-        asset.name = asset.name or Path(asset.file).stem
         asset.file = f"{kind}_{number}{source.suffix.lower()}"
         copyfile(source, folder / asset.file)
     spec.meshdir = spec.texturedir = ""
+    spec.modelfiledir = str(folder)  # where it is compiled anew before it is written
 
 
 def _assets(spec: mujoco.MjSpec) -> Iterator[tuple]:

@@ -44,6 +44,7 @@ def light(spec: mujoco.MjSpec, canvas: Canvas, distance: float) -> None:
 
     distance: of the camera [m].
     """
+    spec.visual.quality.numslices = 128  # a column is drawn as a prism, whose edges would cut through paint
     head = spec.visual.headlight
     head.ambient, head.diffuse, head.specular = np.full(3, 0.5), np.full(3, 0.3), np.full(3, 0.05)
     towards = _LAMP @ np.stack(

@@ -69,7 +69,7 @@ class Recorded:
         arrays, row = self.arrays, self.worlds.index(world)
         live = np.isfinite(arrays["time"][row])
         if not live.any():
-            raise InputError(f"--world: found {world} (recorded, but it did not paint), of {listed}")
+            raise InputError(f"--world: found {world} (which did not paint), allowed: another of {listed}")
         return Motion(
             world=world,
             names=tuple(str(name) for name in arrays["joint_names"]),
