@@ -5,7 +5,7 @@ import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, ClassVar
+from typing import Annotated, Any, ClassVar
 
 from tyro.conf import Positional
 
@@ -51,42 +51,55 @@ class ViewOptions(RunOptions):
 def execute(options: ViewOptions, folder: RunFolder) -> Outcome:
     """Writes model.xml, trajectory.npz, play.py, and film.png where there is OpenGL."""
     with _no_opengl_of_ours():
-        from experiments.viewing import draw_film, find_opengl, read_recorded, write_view
-        from experiments.viewing.opengl import MISSING
+        from experiments.viewing import read_recorded, write_view
 
         recorded = read_recorded(options.run, "RUN")
         world = recorded.worlds[0] if options.world is None else options.world
         motion = recorded.motion(world)
         write_view(recorded, motion, folder.path(""), options.size[0] / options.size[1])
     frames = options.frames or FRAMES
-    environment = find_opengl()
-    if environment is not None:
-        draw_film(folder.path(""), folder.path(FILM), frames, options.size, environment)
-    notes = () if environment is not None else (MISSING,)
-    drawn = frames if environment is not None else 0
-    asked = options.frames is not None and "frames" not in options.chosen
+    notes, failed = _film(options, folder.path(""), frames)
+    found = {"run": recorded.folder, "world": world, "frames": 0 if notes else frames}
+    chosen = {"world": world, "frames": frames}
     return Outcome(
-        summary={"run": recorded.folder, "world": world, "frames": drawn, "files": [], "notes": list(notes)},
-        tables=(_table(folder, world, float(motion.time[-1]), drawn, notes),),
-        resolved={
-            name: value
-            for name, value in (("world", world), ("frames", frames))
-            if getattr(options, name) is None
-        },
-        failure=MISSING if notes and asked else None,
+        summary={**found, "files": [], "notes": notes},  # the files are named when all are written
+        tables=(_table(folder, found, float(motion.time[-1]), notes),),
+        resolved={name: value for name, value in chosen.items() if getattr(options, name) is None},
+        failure=notes[0] if failed else None,
     )
 
 
-def _table(folder: RunFolder, world: int, seconds: float, frames: int, notes: tuple[str, ...]) -> Table:
+def _film(options: ViewOptions, folder: Path, frames: int) -> tuple[list[str], bool]:
+    """Draws film.png. Why there is none, in words, and whether that is a failure."""
+    from experiments.viewing import draw_film, find_opengl
+    from experiments.viewing.opengl import MISSING
+
+    environment = find_opengl()
+    if environment is None:
+        return [MISSING], options.frames is not None and "frames" not in options.chosen
+    try:
+        draw_film(folder, folder / FILM, frames, options.size, environment)
+    except RuntimeError as error:
+        (folder / FILM).unlink(missing_ok=True)
+        return [str(error)], True
+    return [], False
+
+
+def _table(folder: RunFolder, found: Mapping[str, Any], seconds: float, notes: list[str]) -> Table:
+    """What was written and how it is shown."""
     rows = (
-        ("world", str(world)),
+        ("world", str(found["world"])),
         ("simulated time", f"{seconds:.1f} s"),
-        *([("film strip", f"{frames} pictures in {folder.final / FILM}")] if frames else []),
+        *(
+            [("film strip", f"{found['frames']} pictures in {folder.final / FILM}")]
+            if found["frames"]
+            else []
+        ),
         ("in MuJoCo's viewer", f"python {folder.final / 'play.py'}"),
         ("its moments", f"python -m mujoco.viewer --mjcf={folder.final / 'model.xml'}"),
         *(("note", note) for note in notes),
     )
-    return Table(("what", "value"), rows, f"View of {world}")
+    return Table(("what", "value"), rows, f"View of {found['run']}")
 
 
 @contextmanager

@@ -26,4 +26,4 @@ def draw_film(
         )
     if done.returncode != 0:
         said = done.stderr.strip().splitlines() or [f"exit status {done.returncode}"]
-        raise RuntimeError(f"film.png: {said[-1]}")
+        raise RuntimeError(f"{path.name} is not drawn: {said[-1]}")

@@ -17,10 +17,10 @@ def view(recorded_run, tmp_path, monkeypatch):
     """Runs `jaxpaint view` on the recorded run; drawing is only noted. Exit status and summary."""
     monkeypatch.chdir(tmp_path)
 
-    def run(*words: str, opengl: bool = True):
-        def draw(folder, path, frames, size, environment):
-            path.write_text(f"{frames} of {size} by {environment['MUJOCO_GL']}")
+    def note(folder, path, frames, size, environment):
+        path.write_text(f"{frames} of {size} by {environment['MUJOCO_GL']}")
 
+    def run(*words: str, opengl: bool = True, draw=note):
         monkeypatch.setattr(viewing, "draw_film", draw)
         monkeypatch.setattr(viewing, "find_opengl", lambda: {"MUJOCO_GL": "egl"} if opengl else None)
         status = main(["view", str(recorded_run), "--out", "here", "--overwrite", *words])
@@ -61,6 +61,17 @@ def test_frames_that_were_asked_for_and_not_drawn_are_a_failure(view, tmp_path, 
     assert status == 1
     assert summary["notes"] == [MISSING]
     assert capsys.readouterr().err == f"jaxpaint view: failed: {MISSING}\n"
+
+
+def test_a_drawing_that_breaks_loses_nothing_else(view):
+    def crash(folder, path, *_):
+        path.write_text("half")
+        raise RuntimeError("film.png is not drawn: out of memory")
+
+    status, summary = view(draw=crash)
+    assert status == 1
+    assert summary["files"] == [*FILES, "summary.json"]
+    assert "out of memory" in summary["notes"][0]
 
 
 def test_a_repeat_has_not_asked_where_the_first_run_did_not(view, tmp_path):

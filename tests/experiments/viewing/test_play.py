@@ -128,5 +128,5 @@ def test_a_film_strip(view, tmp_path, opengl):
 
 
 def test_what_goes_wrong_is_told(view, tmp_path, opengl):
-    with pytest.raises(RuntimeError, match=r"film.png: .*"):
+    with pytest.raises(RuntimeError, match=r"film.png is not drawn: .*No such file"):
         draw_film(view, tmp_path / "nowhere" / "film.png", 1, (64, 64), opengl)
