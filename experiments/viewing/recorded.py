@@ -124,7 +124,7 @@ def _check_sizes(arrays, refuse) -> None:
         if axes > 1 and name != "palette" and arrays[name].shape[:2] != rows
     ]
     joints = arrays["base"].shape[-1] + arrays["joints"].shape[-1]
-    if len(arrays["world"]) != rows[0] or len(arrays["joint_names"]) != joints:
+    if not rows[0] or len(arrays["world"]) != rows[0] or len(arrays["joint_names"]) != joints:
         wrong.append("world or joint_names")
     if arrays["brush"].shape[-1] != 3 or arrays["palette"].shape[-1] != 3:
         wrong.append("brush or palette")

@@ -55,6 +55,10 @@ def test_samples_after_the_end_are_left_out(copied):
         ({"colour": np.full((2, 60), 2)}, "colour of another size"),
         ({"palette": np.zeros((0, 3))}, "colour of another size"),
         ({"world": np.array([3])}, "world"),
+        (
+            {name: np.zeros((0, 60, 3)[:k]) for name, k in (("world", 1), ("time", 2))},
+            "stroke of another size",
+        ),
         ({"stroke": np.array([object()])}, "not a file of arrays"),
     ],
 )
