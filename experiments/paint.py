@@ -1,6 +1,6 @@
 """The main job: a picture painted on a wall in many randomised worlds."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 from typing import Any, cast
 
@@ -14,7 +14,8 @@ from experiments.dropped import dropped_words
 from experiments.exports.planned import planned
 from experiments.interrupts import Stop, held
 from experiments.paint_job import PaintTask, paint_task
-from experiments.paint_report import report_data, trajectories
+from experiments.paint_report import report_data
+from experiments.recording import Recording, chosen, joined, recorded, shown
 from experiments.report.stroke_preview import stroke_preview
 from sims.painting.decide import Chooser
 from sims.painting.lay import paint_scores
@@ -61,7 +62,7 @@ def run(options: PaintOptions, progress: Callable[..., AbstractContextManager[An
     """Scan, map, decide, move, paint and score in all worlds. Raises InputError for bad input."""
     task = paint_task(options)
     groups = groups_of(options.worlds)
-    missions, rows = [], []
+    missions, rows, kept = [], [], []
     with held() as interrupts, progress("paint", float(len(groups))) as bar:
         for index in groups:
             try:
@@ -69,6 +70,7 @@ def run(options: PaintOptions, progress: Callable[..., AbstractContextManager[An
                 rows += score(task, mission)
             except Stop:
                 break
+            kept += chosen(task, mission, index, options.record)
             missions.append(mission if not missions else _light(mission))
             interrupts.keep()
     summary = summarise(rows) | {
@@ -82,10 +84,15 @@ def run(options: PaintOptions, progress: Callable[..., AbstractContextManager[An
     return PaintOutcome(
         summary=summary,
         worlds=_columns(rows, missions, options),
-        trajectories=trajectories(task, missions[0], rows),
+        trajectories=_trajectories(task, missions[0], rows, kept, options.record),
         report=report_data(task, missions[0], rows),
         resolved=task.resolved,
-        notes=(*task.notes, *_dropped(task, missions), *([refused] if refused else [])),
+        notes=(
+            *task.notes,
+            *_dropped(task, missions),
+            *_unrecorded(options.record, len(rows)),
+            *([refused] if refused else []),
+        ),
         interrupted=len(rows) < options.worlds,
         plan=plan,
         refused=refused,
@@ -125,10 +132,28 @@ def steps_of(mission: Mission) -> np.ndarray:
 
 
 def _light(mission: Mission) -> Mission:
-    """Without the big arrays, which only the first group's report needs."""
+    """Without the big arrays, which only the first group's report needs; of worlds whose trajectories a user
+    asked for, `kept` has them.
+    """
     none = np.zeros((len(mission.status), 0, 3))
-    laid = mission.laid._replace(thickness=None)
-    return mission._replace(clouds=(none, none), truth=mission.truth.__class__(none, none), laid=laid)
+    laid = mission.laid._replace(thickness=None, uv=none[..., :2], colour=None)
+    record = jax.tree.map(lambda x: np.asarray(x)[:, :0].copy(), mission.driven.record)
+    driven = mission.driven._replace(record=record)
+    truth = mission.truth.__class__(none, none)
+    return mission._replace(clouds=(none, none), truth=truth, laid=laid, driven=driven)
+
+
+def _trajectories(
+    task: PaintTask, first: Mission, rows: list[WorldScore], kept: list[Recording], worlds: Sequence[int]
+) -> Recording:
+    """Arrays of the worlds that a user named, or else of a few of the first group, whose rows come first."""
+    return joined(kept, worlds) if kept else recorded(task, first, shown(rows[: len(first.status)]))
+
+
+def _unrecorded(worlds: Sequence[int], finished: int) -> list[str]:
+    """Which of the worlds that a user named are not in trajectories.npz, in words."""
+    lost = [str(world) for world in worlds if world >= finished]
+    return [f"not recorded, as not finished: world {', '.join(lost)}"] if lost else []
 
 
 def _path(task: PaintTask, missions: list[Mission]) -> dict:

@@ -1,4 +1,4 @@
-"""What a painting run shows: the pictures of its report and the arrays of trajectories.npz."""
+"""What a painting run shows: the pictures of its report."""
 
 from collections.abc import Sequence
 
@@ -7,6 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from experiments.paint_job import PaintTask
+from experiments.recording import shown
 from experiments.report.paint import ReportData
 from experiments.report.painted_wall import PaintedWall
 from experiments.report.surface_path import SurfacePath
@@ -18,48 +19,23 @@ from sims.scenes.charts import AbstractChart
 from sims.scoring import WorldScore
 from sims.scoring.paint import PAINTED_SHARE
 
-# Worlds whose trajectories are kept.
-_KEPT = 4
 # Rows and columns of the drawn surface.
 _SURFACE = (24, 64)
 
 
-def trajectories(task: PaintTask, mission: Mission, rows: Sequence[WorldScore]) -> dict[str, np.ndarray]:
-    """Arrays of a few worlds: the median one, the worst, and the first ones."""
-    worlds = np.array(_shown(rows[: len(mission.status)]))
-    record, truth = jax.tree.map(np.asarray, mission.driven.record), mission.truth
-    live = record.live[worlds]
-    normal = _normals(task.job.scene.chart, np.asarray(mission.laid.uv)[worlds])
-    time = np.where(live, np.arange(live.shape[1]) * float(task.job.dt) * RECORD_EVERY, np.nan)
-    return {
-        "world": worlds,
-        "time": time,
-        "planned": record.planned[worlds],
-        "pen": record.pen[worlds] > 0.5,
-        "brush": truth.position[worlds],
-        "brush_axis": truth.axis[worlds],
-        "normal": normal,
-        "base": record.base[worlds],
-        "odometry": record.odometry[worlds],
-        "joints": record.arm[worlds],
-        "halted": record.halted[worlds] > 0.5,
-        "mode": np.broadcast_to(mission.modes.paint[worlds, None], live.shape).astype(np.int8),
-    }
-
-
 def report_data(task: PaintTask, mission: Mission, rows: Sequence[WorldScore]) -> ReportData:
     """The pictures of the first group's worlds."""
-    shown = _shown(rows[: len(mission.status)])
+    worlds = shown(rows[: len(mission.status)])
     names = ("median world", "worst world")
     walls = tuple(
-        _wall(task, mission, world, f"{name}, {world}") for name, world in zip(names, shown, strict=False)
+        _wall(task, mission, world, f"{name}, {world}") for name, world in zip(names, worlds, strict=False)
     )
     grid = _on_paint_grid(task)
     return ReportData(
         wanted=grid[0],
         surface=grid[1],
         walls=walls,
-        path=_path(task, mission, shown[0]),
+        path=_path(task, mission, worlds[0]),
         tracking=_tracking(task, mission),
         dropped=dropped_points([mission]),
         palette=task.drawing.colours,
@@ -70,13 +46,6 @@ def dropped_points(missions: Sequence[Mission]) -> dict[str, int]:
     """Points of the picture that were not mapped, by cause, in the median world."""
     causes = np.median(np.concatenate([np.asarray(m.painting.causes) for m in missions]), axis=0)
     return {cause.name.lower(): int(causes[cause]) for cause in Cause if cause != Cause.HIT}
-
-
-def _shown(rows: Sequence[WorldScore]) -> list[int]:
-    """The median world by tracking error, the worst, then the first ones."""
-    order = np.argsort([row.rmse_total if row.status == "ok" else np.inf for row in rows], kind="stable")
-    picked = [int(order[(len(order) - 1) // 2]), int(order[-1]), *range(len(order))]
-    return list(dict.fromkeys(picked))[:_KEPT]
 
 
 def _wall(task: PaintTask, mission: Mission, world: int, name: str) -> PaintedWall:
@@ -121,11 +90,6 @@ def _surface(task: PaintTask) -> np.ndarray:
     points = jax.jit(jax.vmap(chart.point))(uv)
     there = jax.jit(jax.vmap(chart.on_surface))(uv)
     return np.where(np.asarray(there)[:, None], np.asarray(points), np.nan).reshape(*_SURFACE, 3)
-
-
-def _normals(chart: AbstractChart, uv: np.ndarray) -> np.ndarray:
-    flat = jax.jit(jax.vmap(chart.normal))(jnp.asarray(uv.reshape(-1, 2)))
-    return np.asarray(flat).reshape(*uv.shape[:2], 3)
 
 
 def _tracking(task: PaintTask, mission: Mission) -> TrackingError:

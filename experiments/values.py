@@ -42,14 +42,17 @@ def number(
     return _words(_as_float, inside, f"a number{_bounds(above, at_least, at_most)}", metavar, count, unset)
 
 
-def whole(metavar: str, *, at_least: int, at_most: int | None = None) -> Values:
-    """A whole number inside bounds."""
+def whole(
+    metavar: str, *, at_least: int, at_most: int | None = None, count: int = 1, unset: str = "none"
+) -> Values:
+    """`count` whole numbers inside bounds; `unset` words a default of None."""
 
     def inside(value: Any) -> bool:
         known = isinstance(value, int) and not isinstance(value, bool)
         return known and _inside(value, None, at_least, at_most)
 
-    return _words(_as_int, inside, f"a whole number{_bounds(None, at_least, at_most)}", metavar)
+    allowed = f"a whole number{_bounds(None, at_least, at_most)}"
+    return _words(_as_int, inside, allowed, metavar, count, unset)
 
 
 def choice(*names: str, later: Iterable[str] = (), unset: str = "none") -> Values:
@@ -116,6 +119,30 @@ def several(*names: str) -> Values:
         str_from_instance=lambda value: list(value) or ["none"],
         holds=hold,
         allowed=f"none, or one or more of {', '.join(names)}, each once",
+    )
+
+
+def indices(metavar: str) -> Values:
+    """Whole numbers from 0 on, each at most once, in a tuple; `none` for the empty one."""
+    one = whole(metavar, at_least=0)
+
+    def from_words(words: list[str]) -> tuple[Any, ...] | str:
+        if words == ["none"]:
+            return ()
+        return tuple(_as_int(word) for word in words) or "nothing"  # which is not allowed
+
+    def hold(value: Any) -> bool:
+        known = isinstance(value, tuple) and all(one.holds(entry) for entry in value)
+        return known and len(set(value)) == len(value)
+
+    return dataclasses.replace(
+        one,
+        nargs="*",
+        metavar=f"{metavar} [{metavar} ...]",
+        instance_from_str=from_words,
+        str_from_instance=lambda value: [str(entry) for entry in value] or ["none"],
+        holds=hold,
+        allowed="none, or one or more whole numbers of 0 or more, each once",
     )
 
 

@@ -9,6 +9,7 @@ MODULES = {
     "reproduce": "experiments.commands.reproduce",
     "bench": "experiments.commands.bench",
     "compare": "experiments.commands.compare",
+    "view": "experiments.commands.view",
 }
 """Name of each command, and the module whose `COMMAND` it is."""
 

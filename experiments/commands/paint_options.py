@@ -93,6 +93,9 @@ class PaintOptions(RunOptions):
     """Files of the planned joint trajectory: a table, or a ROS 2 JointTrajectory message: docs/exports.md."""
     export_world: Annotated[int, allowed.whole("N", at_least=0)] = 0
     """World whose trajectory is exported."""
+    record: Annotated[tuple[int, ...], allowed.indices("W")] = ()
+    """Worlds whose trajectories go into trajectories.npz, in this order; none: the median and the worst of
+    the first group, and its first ones."""
     theta: Annotated[float | None, allowed.number("M", above=0, unset="by preset")] = None
     """Base travel after which the base halts [m]: Theta of S1-(13)."""
     dwell: Annotated[float | None, allowed.number("S", at_least=0, unset="by preset")] = None
@@ -133,6 +136,9 @@ class PaintOptions(RunOptions):
             refuse(names[name], getattr(self, name), f"only {when}", "no effect")
         if self.export and self.export_world >= self.worlds:
             refuse("--export-world", self.export_world, f"below --worlds ({self.worlds})")
+        missing = [world for world in self.record if world >= self.worlds]
+        if missing:
+            refuse("--record", missing[0], f"below --worlds ({self.worlds})")
 
     def without_effect(self) -> dict[str, str]:
         """Options that do nothing beside the others though they are set, and when they would do something."""

@@ -33,6 +33,8 @@ TRAJECTORIES: dict[str, str] = {
     "time": "[worlds, samples] simulated time [s]; rows end in NaN once a world has finished",
     "planned": "[worlds, samples, 3] planned brush position, map frame [m]",
     "pen": "[worlds, samples] whether the plan's pen is down",
+    "stroke": "[worlds, samples] number of the drawn stroke, counted from 0; -1 while the pen is up",
+    "colour": "[worlds, samples] colour in hand: row of palette",
     "brush": "[worlds, samples, 3] true brush position, map frame [m]",
     "brush_axis": "[worlds, samples, 3] true brush axis into the wall, map frame, unit",
     "normal": "[worlds, samples, 3] true outward normal of the wall at the brush, map frame, unit",
@@ -41,6 +43,8 @@ TRAJECTORIES: dict[str, str] = {
     "joints": "[worlds, samples, arm joints] arm joint positions [rad]",
     "halted": "[worlds, samples] whether the base is halted",
     "mode": "[worlds, samples] controller in charge: 0 trajectory, 1 whole-body",
+    "joint_names": "[3 + arm joints] names of the robot's joints: those of base, then those of joints",
+    "palette": "[colours, 3] colours of the picture, sRGB from 0 to 1",
 }
 """What an array of trajectories.npz may be; `about` in the file repeats the lines of those that are there."""
 

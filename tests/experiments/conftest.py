@@ -1,11 +1,18 @@
-"""A painting run made up for the tests: the shapes and keys of a real one, no physics."""
+"""Painting runs made up for the tests: the shapes and keys of real ones, no physics."""
 
+from pathlib import Path
+
+import mujoco
 import numpy as np
 import pytest
 
-from experiments.commands.paint_outcome import SUMMARY_KEYS, PaintOutcome
+from experiments.commands.paint_options import PaintOptions
+from experiments.commands.paint_outcome import SUMMARY_KEYS, TRAJECTORIES, PaintOutcome
+from experiments.options import to_config
+from experiments.output import write_json, write_trajectories
 from experiments.report import PaintedWall, SurfacePath, TrackingError
 from experiments.report.paint import ReportData
+from sims.robots import robot_model
 
 WORLDS = 24
 
@@ -123,3 +130,37 @@ def _tracking(pen: np.ndarray) -> TrackingError:
     time = np.linspace(0, 187, len(pen))
     median = 2e-3 + 1.5e-3 * np.abs(np.sin(time / 6)) + np.where(pen, 0, 5e-3)
     return TrackingError(time, median / 2, median, median * 2, pen, (np.sin(time / 6) > 0).astype(float))
+
+
+@pytest.fixture(scope="session")
+def recorded_run(tmp_path_factory) -> Path:
+    """The folder of a made-up run: the reference robot goes along the flat wall, its arm at rest, and draws
+    two strokes in two colours, though in the air. Worlds 3 and 1 are recorded; world 1 did not move.
+    """
+    folder = tmp_path_factory.mktemp("recorded")
+    model = robot_model()
+    data = mujoco.MjData(model)
+    time = np.arange(60) * 0.08
+    base = np.column_stack([np.full(60, -0.9), 0.4 - 0.15 * time, np.zeros(60)])
+    arm = np.tile(model.key_qpos[0, -6:], (60, 1))
+    brush = np.zeros((60, 3))
+    for k in range(60):
+        data.qpos[:3], data.qpos[-6:] = base[k], arm[k]
+        mujoco.mj_kinematics(model, data)
+        brush[k] = data.site("brush").xpos
+    names = [model.joint(k).name for k in (0, 1, 2, *range(model.njnt - 6, model.njnt))]
+    stroke = np.repeat([0, -1, 1], 20)
+    arrays = {
+        "world": np.array([3, 1]),
+        "time": np.stack([time, np.full(60, np.nan)]),
+        **{name: np.stack([x, x]) for name, x in {"brush": brush, "base": base, "joints": arm}.items()},
+        "stroke": np.stack([stroke, stroke]),
+        "colour": np.stack([stroke == 1] * 2).astype(np.int8),
+        "palette": np.array([[0.1, 0.2, 0.6], [0.8, 0.1, 0.1]]),
+        "joint_names": np.array(names),
+    }
+    write_trajectories(folder / "trajectories.npz", arrays, TRAJECTORIES)
+    write_json(
+        folder / "summary.json", {"command": "paint", "config": to_config(PaintOptions()), "worlds": 4}
+    )
+    return folder

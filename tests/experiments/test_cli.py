@@ -91,6 +91,11 @@ BAD = {
     "paint --export": "--export: found 'nothing', allowed: none, or",
     "paint --export svg": "--export",
     "paint --export csv --export-world 64": "--export-world",
+    "paint --record": "--record: found 'nothing', allowed: none, or",
+    "paint --record 64": "--record: found '64', allowed: below --worlds (64)",
+    "paint --record 1 2 1": "--record",
+    "paint --record -1": "--record",
+    "paint --record 1 two": "--record",
     "paint --no-halting --theta 0.3": "--theta",
     "paint --no-low-speed --low-speed-scale 2": "--low-speed-scale",
     "paint --chosen theta": "--chosen",
@@ -119,6 +124,19 @@ BAD = {
     "compare wrong.json other.json": "a run of 'paint'",
     "compare strange.json list.json": "B: found",
     "compare other.json other.json other.json": "other.json",
+    "view": "RUN: found too few values",
+    "view nowhere": "nowhere",
+    "view used": "used",
+    "view text.txt": "not JSON",
+    "view other.json": "a run of 'bench', allowed: a run of 'jaxpaint paint'",
+    "view strange.json": "colour",
+    "view wrong.json": "--worlds",
+    "view unlisted.json": "chosen: found '7'",
+    "view wrong.json --frames 0": "--frames",
+    "view wrong.json --world -1": "--world",
+    "view wrong.json --size 640": "--size",
+    "view wrong.json --size 640 10": "--size",
+    "view wrong.json --frames 1000 --size 4096 4096": "pixels in all",
 }
 
 
@@ -152,7 +170,8 @@ def test_bad_usage_is_one_line_and_status_2(line, capsys, tmp_path, pipeline):
 
 
 @pytest.mark.parametrize(
-    "words", [["--help"], ["paint", "--help"], ["bench", "--help"], ["reproduce", "--help"]]
+    "words",
+    [["--help"], ["paint", "--help"], ["bench", "--help"], ["reproduce", "--help"], ["view", "--help"]],
 )
 def test_help_is_on_standard_output(words, capsys):
     assert main(words) == 0

@@ -35,6 +35,9 @@ def test_the_defaults_are_those_of_the_contract():
         ({"halting": "yes"}, "--halting"),
         ({"wall": None}, "--wall"),
         ({"variance_bounds": (0.8, 0.3)}, "--variance-bounds"),
+        ({"record": (0, 64)}, "--record"),
+        ({"record": [0]}, "--record"),
+        ({"record": (0, 0)}, "--record"),
     ],
 )
 def test_a_caller_in_python_meets_the_same_checks(change, name):
@@ -47,7 +50,7 @@ def test_every_option_survives_the_summary(tmp_path):
     image.touch()
     options = PaintOptions(
         image=image, wall="corner", worlds=3, canvas_size=(0.6, 0.5), canvas_pose=(0.1, -2.0, 1.2, 1e-3),
-        up="-y", speed=0.1, theta=0.25, variance_bounds=(0.2, 0.7), halting=False, seed=7,
+        up="-y", speed=0.1, theta=0.25, variance_bounds=(0.2, 0.7), halting=False, seed=7, record=(2, 0),
     )  # fmt: skip
     config = json.loads(json.dumps(to_config(options)))
     assert from_config(PaintOptions, config, "summary.json") == options

@@ -7,6 +7,7 @@ import jax
 import numpy as np
 import pytest
 
+from experiments import viewing
 from experiments.cli import main, parse
 from experiments.commands.paint import COMMAND
 from experiments.commands.running import chosen_options
@@ -14,6 +15,7 @@ from experiments.options import to_config
 from experiments.output import write_json
 from experiments.placing import placed
 from experiments.resolving import resolved
+from experiments.viewing import play
 from jaxpaint.decisions.thresholds import default_thresholds
 
 PICTURE = """<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 60 60" fill="none" stroke="black">
@@ -40,9 +42,8 @@ def runs(tmp_path_factory):
     folder = tmp_path_factory.mktemp("runs")
     (folder / "two.svg").write_text(PICTURE)
     (folder / "plate.obj").write_text(PLATE)
-    first = (
-        f"--image {folder}/two.svg --canvas-size 0.5 0.5 --no-halting --worlds 4 --seed 11 --out {folder}/a"
-    )
+    first = f"--image {folder}/two.svg --canvas-size 0.5 0.5 --no-halting --worlds 4 --seed 11"
+    first += f" --record 2 0 --out {folder}/a"
     again = f"--config {folder}/a/summary.json --out {folder}/b"
     assert main(["paint", *first.split()]) == 0
     assert main(["paint", *again.split()]) == 0
@@ -130,6 +131,18 @@ def test_every_array_is_the_same(runs):
         assert set(a) == set(b)
         for name in a:
             np.testing.assert_array_equal(a[name], b[name], err_msg=name)
+
+
+def test_the_worlds_that_were_asked_for_are_recorded_and_can_be_viewed(runs, monkeypatch):
+    with np.load(runs / "a" / "trajectories.npz") as found:
+        assert found["world"].tolist() == [2, 0]
+        live = np.isfinite(found["time"][0])
+        assert set(found["stroke"][0][live]) == {-1, 0, 1}
+    monkeypatch.setattr(viewing, "find_opengl", lambda: None)
+    assert main(["view", str(runs / "a"), "--world", "2", "--out", str(runs / "view")]) == 0
+    model, motion = play.load(runs / "view")
+    assert float(play.check(model, motion).split("within ")[1].split()[0]) < 0.1, "mm from the run's brush"
+    assert len(motion["time"]) == live.sum()
 
 
 def test_compared_with_itself_nothing_differs(runs):
