@@ -236,7 +236,7 @@ def _turns(axis: np.ndarray, angle: Float[Array, " n"]) -> Float[Array, "n 3 3"]
     for (i, j, k), sign in (((0, 1, 2), -1), ((0, 2, 1), 1), ((1, 2, 0), -1)):
         skew[:, i, j], skew[:, j, i] = sign * axis[:, k], -sign * axis[:, k]
     s, c = jnp.sin(angle)[:, None, None], jnp.cos(angle)[:, None, None]
-    return np.eye(3, dtype=axis.dtype) + s * skew + (1 - c) * (skew @ skew)
+    return np.eye(3, dtype=axis.dtype)[None] + s * skew + (1 - c) * (skew @ skew)
 
 
 def _products(A, B):

@@ -7,7 +7,7 @@ J: the contact's Jacobian (normal, two tangents), r: the acceleration that would
 from typing import NamedTuple
 
 import jax.numpy as jnp
-from jaxtyping import Array, Bool, Float
+from jaxtyping import Array, Float
 
 # No tread is so slippery, nor slips so slowly, that a division by it would overflow.
 _LEAST = 1e-6
@@ -85,8 +85,3 @@ def touching(
     reference = jnp.concatenate([normal, -grip / giving * speed[:, 1:]], axis=1)
     slippery = jnp.maximum(friction, _LEAST)
     return Contacts(jacobian, reference, weight, slippery, slippery / stiffer**0.5)
-
-
-def carried_by(distance: Float[Array, " c"], wheel: Float[Array, " c"], wheels: int) -> Bool[Array, " w"]:
-    """Which wheels touch the floor; wheel: of each contact."""
-    return jnp.stack([((distance < 0) & (wheel == k)).any() for k in range(wheels)])
