@@ -11,6 +11,7 @@ from jaxtyping import Array, Bool, Float, Int, PRNGKeyArray, PyTree
 
 from opt.controller import Controller
 from opt.wbc import ControlStatus, RobotLimits
+from sims.backward import KEEP_ALL, Backward
 from sims.odometry import OdometryNoise
 from sims.worlds import Fidelity, World
 
@@ -84,11 +85,13 @@ def run_block(
     *,
     records: int,
     look: Look | None = None,
+    backward: Backward = KEEP_ALL,
 ) -> tuple[RolloutState, Record]:
     """`records` times `RECORD_EVERY` control steps; a world whose plan is over stands still.
 
     key: this world's and this block's. look: what the robot does every `LOOKS` records, which `records` must
-    be a multiple of then. Steps that are not finite are undone, the world is marked and stopped.
+    be a multiple of then. backward: how gradients go back. Steps that are not finite are undone, the world is
+    marked and stopped.
     """
     between = LOOKS if look is not None else records
     if records % between:
@@ -99,8 +102,9 @@ def run_block(
     def inner(state: RolloutState, shock):
         return _one_step(controller, fidelity, robot, noise, dt, state, shock)
 
-    def outer(state: RolloutState, shocks):
-        state, seen = jax.lax.scan(inner, state, shocks)
+    def outer(state: RolloutState, row):
+        number, shocks = row
+        state, seen = jax.lax.scan(backward.step(inner), backward.cut(state, number), shocks)
         return state, jax.tree.map(lambda x: x[-1], seen)
 
     def looked(state: RolloutState, row):
@@ -111,7 +115,8 @@ def run_block(
             live = is_live(controller, state)
             world, seen = jax.tree.map(lambda a, b: jnp.where(live, a, b), after, before)
             state = dataclasses.replace(state, world=world, seen=seen)
-        state, record = jax.lax.scan(outer, dataclasses.replace(state, seen=()), shocks)
+        rows = number * between + jnp.arange(between), shocks
+        state, record = jax.lax.scan(backward.record(outer), dataclasses.replace(state, seen=()), rows)
         return dataclasses.replace(state, seen=seen), record
 
     state, record = jax.lax.scan(looked, state, (jnp.arange(shape[0]), shocks))
