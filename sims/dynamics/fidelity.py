@@ -73,8 +73,9 @@ class Dynamic(Fidelity):
         return dataclasses.replace(moved_on, arm=arm, arm_velocity=arm_velocity, servos=servos)
 
     def holds(self, robot: RobotLimits, world: World) -> Bool[Array, ""]:
-        """Whether the arm is no faster than it could be driven."""
-        return arm_holds(robot, world.arm_velocity)
+        """Whether the arm is no faster than arms can be."""
+        del robot
+        return arm_holds(world.arm_velocity)
 
     def _physics(self, robot: RobotLimits, world: World, told, arm_velocity, dt):
         """Displacement of the base at its mean heading (x, y [m], yaw [rad]), the arm, and the servos."""

@@ -129,7 +129,7 @@ class Wheeled(Fidelity):
         upright = (jnp.abs(world.tilt) < jnp.asarray(_TILTED, world.tilt.dtype)).all()
         slow = (jnp.abs(s.speed[:3]) < _FAST * robot.base_speed.max()).all()
         slid = jnp.abs(world.base[:2] - world.odometry[:2]).max()
-        return upright & slow & (slid < _SLID) & arm_holds(robot, world.arm_velocity)
+        return upright & slow & (slid < _SLID) & arm_holds(world.arm_velocity)
 
     def _way(self, world: World) -> Float[Array, " w"]:
         """What encoders count for a turn of one radian [m]."""
