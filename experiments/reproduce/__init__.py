@@ -8,6 +8,7 @@ from experiments.reproduce.result import ReproduceResult, ReproduceSettings, Row
 REPRODUCTIONS = {
     "mode-detection": "experiments.reproduce.mode_detection",
     "motion": "experiments.reproduce.motion",
+    "fidelities": "experiments.reproduce.fidelities",
     "s1-table-1": "experiments.reproduce.s1_table_1",
     "s1-table-3": "experiments.reproduce.s1_table_3",
     "halting": "experiments.reproduce.halting",

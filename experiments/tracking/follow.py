@@ -11,7 +11,7 @@ from experiments.tracking.study import Study
 from jaxpaint.compiling import batched, one_by_one
 from sims.odometry import draw_slip
 from sims.painting.approach import first_posture
-from sims.painting.drive import BrushPlan, drive
+from sims.painting.drive import BrushPlan, Driven, drive
 from sims.painting.job import PAINT, SLIP, Job
 from sims.painting.lay import log_of, true_brush
 from sims.rollout import RECORD_EVERY, Record
@@ -58,9 +58,7 @@ def start_worlds(study: Study, index: Int[Array, " worlds"]) -> World:
 
 def follow(study: Study, worlds: int, first: int = 0) -> Followed:
     """Follows the curve in the worlds of indices first, first + 1, ..."""
-    index = jnp.arange(first, first + worlds, dtype=jnp.int32)
-    plan = BrushPlan(*(np.repeat(np.asarray(x)[None], worlds, axis=0) for x in study.plan))
-    driven = drive(study.job, plan, start_worlds(study, index), index, PAINT)
+    driven = drive_study(study, worlds, first)
     truth = true_brush(study.job, driven)
     log: Log = log_of(driven, truth)
     score = jax.tree.map(np.asarray, _SCORE(log, study.job.scene.chart))
@@ -74,6 +72,13 @@ def follow(study: Study, worlds: int, first: int = 0) -> Followed:
         truth.position,
         np.asarray(log.live),
     )
+
+
+def drive_study(study: Study, worlds: int, first: int = 0) -> Driven:
+    """The same, not scored."""
+    index = jnp.arange(first, first + worlds, dtype=jnp.int32)
+    plan = BrushPlan(*(np.repeat(np.asarray(x)[None], worlds, axis=0) for x in study.plan))
+    return drive(study.job, plan, start_worlds(study, index), index, PAINT)
 
 
 def base_starts(record: Record, dt: float) -> np.ndarray:

@@ -5,7 +5,7 @@ from sims.wheeled.fidelity import Servos, Wheeled, wheeled
 from sims.wheeled.floors import Bump, Flat, Floor, Ramp
 from sims.wheeled.model import wheeled_model
 from sims.wheeled.parameters import WheeledPhysics, wheeled_physics
-from sims.wheeled.rest import Rest, at_rest
+from sims.wheeled.rest import Rest, at_rest, tread_depths
 
 __all__ = [
     "Bump",
@@ -19,6 +19,7 @@ __all__ = [
     "WheeledEngine",
     "WheeledPhysics",
     "at_rest",
+    "tread_depths",
     "wheeled",
     "wheeled_model",
     "wheeled_physics",

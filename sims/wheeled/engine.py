@@ -57,6 +57,7 @@ class WheeledEngine:
     """
 
     def __init__(self, rolling: mujoco.MjModel):
+        self.rolling = rolling
         self.model = mjx.put_model(rolling, impl="jax")
         self.data = mjx.make_data(rolling, impl="jax")
         self.tree = Tree(rolling)

@@ -44,6 +44,20 @@ def at_rest(rolling: mujoco.MjModel, arm: Float[np.ndarray, " arm"]) -> Rest:
     return Rest(np.array([data.qpos[2], roll, pitch]), float(radius + np.mean(deepest) / 2))
 
 
+def tread_depths(rolling: mujoco.MjModel, tilt: Float[np.ndarray, "*t 3"]) -> Float[np.ndarray, "*t wheels"]:
+    """How deep each wheel of a `wheeled_model` is in a flat floor [m], with the base tilted like this.
+
+    tilt: height [m], roll, pitch [rad]. Below 0 a wheel is off the floor. To the first order in the angles.
+    """
+    data = mujoco.MjData(rolling)
+    mujoco.mj_kinematics(rolling, data)
+    treads = np.unique(rolling.pair_geom2)
+    place, radius = data.geom_xpos[treads] - data.xpos[1], rolling.geom_size[treads, 0]
+    floor = data.geom_xpos[rolling.pair_geom1[0], 2] - data.xpos[1, 2]
+    rise = tilt[..., :1] + tilt[..., 1:2] * place[:, 1] - tilt[..., 2:] * place[:, 0]
+    return floor + radius - place[:, 2] - rise
+
+
 def with_contacts(
     rolling: mujoco.MjModel, *, friction: float, tyre: float = TYRE, grip: float = GRIP
 ) -> mujoco.MjModel:
