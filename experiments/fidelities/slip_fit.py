@@ -1,7 +1,7 @@
 """The random walk of `kinematic` odometry, fitted to what wheels on a floor do in `wheeled`, by gradient.
 
-Of each move, from rest to rest, the error of odometry (x, y [m], yaw [rad]) is taken for normal, with variances
-that grow with the way d [m] and with what the steering axes turn a [rad]:
+Of each move, from rest to rest, the error of odometry (x, y [m], yaw [rad]) is taken for normal, with
+variances that grow with the way d [m] and with what the steering axes turn a [rad]:
 
     var x = var y = walk^2 d + scrub^2 a        var yaw = yaw_walk^2 d + yaw_scrub^2 a
 

@@ -13,7 +13,7 @@ FRICTION = 0.8
 # Time constant of a loaded tyre [s], twice the time step at least: these are hard rubber, 0.7 mm flat.
 TYRE = 0.02
 # Rate at which a tread's slip dies out where friction can hold it [1/s].
-GRIP = 20.0
+GRIP = 10.0
 
 
 class WheeledPhysics(eqx.Module):
