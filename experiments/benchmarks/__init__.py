@@ -1,26 +1,32 @@
 """Our speed beside what a user would write today, measured in one run: `jaxpaint bench`.
 
-A benchmark takes nothing and returns rows. Its module and its peers (the extra `bench`) are imported when it
-runs, not before, so that the rest of the package works without them.
+A benchmark takes nothing and returns a `Bench`. Its module and its peers (the extra `bench`) are imported when
+it runs, not before, so that the rest of the package works without them.
 """
 
 from collections.abc import Callable
 
-from experiments.benchmarks.rows import BenchRow
+from experiments.benchmarks.rows import Bench, BenchRow
 
 
-def _control() -> list[BenchRow]:
+def _control() -> Bench:
     from experiments.benchmarks import control
 
-    return control.rows()
+    return Bench(control.rows())
 
 
-def _painting() -> list[BenchRow]:
+def _painting() -> Bench:
     from experiments.benchmarks import painting
 
-    return painting.rows()
+    return Bench(painting.rows())
 
 
-BENCHMARKS: dict[str, Callable[[], list[BenchRow]]] = {"control": _control, "painting": _painting}
+def _worlds() -> Bench:
+    from experiments.benchmarks import worlds
 
-__all__ = ["BENCHMARKS", "BenchRow"]
+    return worlds.measured()
+
+
+BENCHMARKS: dict[str, Callable[[], Bench]] = {"control": _control, "painting": _painting, "worlds": _worlds}
+
+__all__ = ["BENCHMARKS", "Bench", "BenchRow"]

@@ -2,6 +2,24 @@
 
 import dataclasses
 import math
+from collections.abc import Mapping
+from typing import Any
+
+from matplotlib.figure import Figure
+
+from experiments.tables import Table
+
+
+@dataclasses.dataclass(frozen=True)
+class Bench:
+    """What a benchmark gives: rows, and what else there is to see. summary: more keys of summary.json, under
+    the benchmark's name. figures: by name.
+    """
+
+    rows: list["BenchRow"]
+    tables: tuple[Table, ...] = ()
+    figures: Mapping[str, Figure] = dataclasses.field(default_factory=dict)
+    summary: Mapping[str, Any] = dataclasses.field(default_factory=dict)
 
 
 @dataclasses.dataclass(frozen=True)

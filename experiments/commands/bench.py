@@ -6,10 +6,11 @@ from typing import Annotated
 from tyro.conf import Positional
 
 from experiments import values as allowed
-from experiments.benchmarks import BENCHMARKS, BenchRow
+from experiments.benchmarks import BENCHMARKS, Bench, BenchRow
 from experiments.commands.command import Command, Outcome, RunOptions
 from experiments.output import RunFolder
 from experiments.progress import progress
+from experiments.report.pictures import write_pictures
 from experiments.tables import Table
 
 
@@ -23,18 +24,22 @@ class BenchOptions(RunOptions):
 
 def execute(options: BenchOptions, folder: RunFolder) -> Outcome:
     """Rows of the benchmarks asked for; the peers come with the extra `bench`."""
-    del folder
     names = list(BENCHMARKS) if options.name == "all" else [options.name]
-    rows: list[BenchRow] = []
+    found: dict[str, Bench] = {}
     with progress("bench", len(names)) as bar:
         for name in names:
             bar.describe(name)
-            rows += _measured(name)
+            found[name] = _measured(name)
             bar.advance()
-    return Outcome(summary={"rows": [row.to_dict() for row in rows]}, tables=(_table(rows),))
+    rows = [row for bench in found.values() for row in bench.rows]
+    more = {name: dict(bench.summary) for name, bench in found.items() if bench.summary}
+    for bench in found.values():
+        write_pictures(folder, bench.figures)
+    tables = (_table(rows), *(table for bench in found.values() for table in bench.tables))
+    return Outcome(summary={"rows": [row.to_dict() for row in rows], **more}, tables=tables)
 
 
-def _measured(name: str) -> list[BenchRow]:
+def _measured(name: str) -> Bench:
     try:
         return BENCHMARKS[name]()
     except ModuleNotFoundError as error:

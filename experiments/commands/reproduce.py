@@ -9,6 +9,7 @@ from experiments import values as allowed
 from experiments.commands.command import Command, Outcome, RunOptions
 from experiments.output import RunFolder
 from experiments.progress import progress
+from experiments.report.pictures import write_pictures
 from experiments.reproduce import REPRODUCTIONS, ReproduceResult, ReproduceSettings, load
 
 
@@ -26,7 +27,7 @@ def execute(options: ReproduceOptions, folder: RunFolder) -> Outcome:
 
     results = _results(options)
     for name, result in results.items():
-        _write_pictures(folder, name, result)
+        write_pictures(folder, result.figures, f"{name}-")
     return Outcome(
         summary={
             "table": [{**row, "study": name} for name, result in results.items() for row in result.table]
@@ -45,14 +46,6 @@ def _results(options: ReproduceOptions) -> dict[str, ReproduceResult]:
             results[name] = load(name).run(ReproduceSettings(seed=options.seed))
             bar.advance()
     return results
-
-
-def _write_pictures(folder: RunFolder, name: str, result: ReproduceResult) -> None:
-    from experiments.report.style import look, to_png
-
-    for title, figure in result.figures.items():
-        with look():
-            folder.path(f"{name}-{title.replace(' ', '-')}.png").write_bytes(to_png(figure))
 
 
 COMMAND = Command("reproduce", ReproduceOptions, execute)

@@ -11,11 +11,13 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from experiments.benchmarks.compare import rate
-from jaxpaint.compiling import batched, on_devices, one_by_one
+from experiments.benchmarks.worlds.physics_rollouts import groups
+from jaxpaint.compiling import batched, one_by_one
 from jaxpaint.decisions import default_thresholds
 from jaxpaint.kinematics import forward
 from opt.plan import Samples
 from opt.wbc import RobotLimits, WholeBodyController, default_settings
+from sims.backward import Backward
 from sims.limits import robot_limits
 from sims.noise import noise_preset
 from sims.odometry import OdometryNoise, draw_slip
@@ -29,9 +31,12 @@ _DT, _RECORDS = 0.02, 25
 STEPS = RECORD_EVERY * _RECORDS
 # A circle on the wall [m], drawn at this speed [m/s].
 _RADIUS, _SPEED = 0.1, 0.03
+# Each step is done again on the way back: what a step leaves for it would not fit the cache.
+_BACKWARD = Backward(keep="steps")
 # Cells of the paint [m].
 _CELL = 0.002
-CHUNK = 32
+# Worlds that a device takes at a time: as fit the cache, the way back with what it keeps of each step.
+_CHUNK, _CHUNK_BACK = 256, 64
 
 
 class Task(NamedTuple):
@@ -59,31 +64,37 @@ class PaintingSteps:
         noise = noise_preset("s1-simulation").odometry
         self._task = Task(limits, noise, rows, robot.home, base, jnp.asarray(0.05))
         self._fidelity = fidelity or Kinematic()
-        self._index = on_devices(jnp.arange(worlds, dtype=jnp.int32))
-        self._parameters = jnp.zeros((worlds, 3))
-        self.move = batched(self._contacts, in_axes=(None, None, 0, 0), chunk=CHUNK)
+        self._all = np.arange(worlds, dtype=np.int32), np.zeros((worlds, 3), np.float32)
+        self.move = batched(self._contacts, in_axes=(None, None, 0, 0), chunk=_CHUNK)
         self.lay = one_by_one(self._score, in_axes=(None, 0))
         self.lay_back = one_by_one(self._score_and_slope, in_axes=(None, 0))
-        self.move_back = batched(self._pulled, in_axes=(None, None, 0, 0, 0), chunk=CHUNK)
+        self.move_back = batched(self._pulled, in_axes=(None, None, 0, 0, 0), chunk=_CHUNK_BACK)
 
-    def rate(self) -> float:
-        """Control steps a second, paint included."""
-        return rate(lambda: jax.block_until_ready(self.forward()), self.worlds * STEPS)
+    def rate(self, worlds: int | None = None) -> float:
+        """Control steps a second, paint included, of the first so many worlds."""
+        count = worlds or self.worlds
+        return rate(lambda: self.forward(count), count * STEPS)
 
     def gradient_rate(self) -> float:
         """The same with the gradient of the paint's error to the controller's parameters."""
-        return rate(lambda: jax.block_until_ready(self.gradient()), self.worlds * STEPS)
+        return rate(self.gradient, self.worlds * STEPS)
 
-    def forward(self) -> Float[Array, " worlds"]:
+    def forward(self, worlds: int | None = None) -> Float[np.ndarray, " worlds"]:
         """What the paint is off by in each world."""
-        contacts = self.move(self._task, self._fidelity, self._index, self._parameters)
-        return self.lay(self._grid, contacts)
+        parts = groups(self._all, worlds or self.worlds)
+        return np.concatenate([self.lay(self._grid, self._moved(*part)) for part in parts])
 
-    def gradient(self) -> tuple[Float[Array, " worlds"], Float[Array, "worlds 3"]]:
+    def gradient(self) -> tuple[Float[np.ndarray, " worlds"], Float[np.ndarray, "worlds 3"]]:
         """The same, and its gradient to logarithms of gain, of the arm's effort and of pace."""
-        contacts = self.move(self._task, self._fidelity, self._index, self._parameters)
-        value, slope = self.lay_back(self._grid, contacts)
-        return value, self.move_back(self._task, self._fidelity, self._index, self._parameters, slope)
+        values, slopes = [], []
+        for part in groups(self._all, self.worlds):
+            value, slope = self.lay_back(self._grid, self._moved(*part))
+            values.append(np.asarray(value))
+            slopes.append(np.asarray(self.move_back(self._task, self._fidelity, *part, slope)))
+        return np.concatenate(values), np.concatenate(slopes)
+
+    def _moved(self, index, parameters) -> Contact:
+        return self.move(self._task, self._fidelity, index, parameters)
 
     def _contacts(self, task: Task, fidelity: Fidelity, index: Int[Array, ""], parameters) -> Contact:
         key = jax.random.fold_in(jax.random.key(0), index)
@@ -92,7 +103,8 @@ class PaintingSteps:
         world = standing(task.base, task.home, slip, task.robot.drive.size)
         dt = jnp.asarray(_DT, task.base.dtype)
         begin = start(follow, fidelity, world)
-        _, record = run_block(follow, fidelity, task.robot, task.noise, dt, begin, key, records=_RECORDS)
+        common = task.robot, task.noise, dt, begin, key
+        _, record = run_block(follow, fidelity, *common, records=_RECORDS, backward=_BACKWARD)
         q = jnp.concatenate([record.base, record.arm], axis=-1)
         _, (place, axis) = jax.lax.scan(lambda c, row: (c, _brush(task.robot, row)), None, q)
         period = dt * RECORD_EVERY
