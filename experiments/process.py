@@ -7,6 +7,8 @@ import os
 import platform
 import signal
 import sys
+import threading
+import time
 import warnings
 from pathlib import Path
 
@@ -14,6 +16,10 @@ from experiments.interrupts import Interrupted
 
 CACHE_VARIABLE = "JAXPAINT_CACHE"
 """Where compiled programs are kept; an empty value keeps none."""
+PROCESSES_HERE = "JAXPAINT_PROCESSES_HERE"
+"""How many processes of one run share this machine; set for those that the program starts itself."""
+# How long a process may take to end once it was told [s].
+_LAST = 60.0
 
 
 def prepare_python() -> None:
@@ -24,6 +30,8 @@ def prepare_python() -> None:
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="replace")
     os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "2")  # read when XLA loads
+    if PROCESSES_HERE in os.environ:
+        threading.Thread(target=_end_with_the_starter, daemon=True).start()
 
 
 def prepare_jax() -> None:
@@ -40,10 +48,17 @@ def prepare_jax() -> None:
 
 
 def cores() -> int:
-    """Cores this process may use: its affinity, cut by the quota of its control group."""
+    """Cores this process may use: its affinity, cut by the quota of its control group, and its share where
+    one run has several processes here.
+    """
     allowed = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     quota = _quota()
-    return max(1, allowed if quota is None else min(allowed, round(quota)))
+    return max(1, (allowed if quota is None else min(allowed, round(quota))) // processes_here())
+
+
+def processes_here() -> int:
+    """Processes of one run that share this machine."""
+    return int(os.environ.get(PROCESSES_HERE, "1"))
 
 
 def cache_folder() -> Path | None:
@@ -66,6 +81,16 @@ def cache_folder() -> Path | None:
 
 def _interrupt(number: int, _: object) -> None:
     raise Interrupted(number)
+
+
+def _end_with_the_starter() -> None:
+    """Whoever started this process holds its standard input open, and is gone when that ends."""
+    while os.read(0, 1):
+        pass
+    for patience in (1.0, _LAST):  # the first one may only be noted
+        os.kill(os.getpid(), signal.SIGTERM)
+        time.sleep(patience)
+    os._exit(128 + signal.SIGTERM)
 
 
 def _quota() -> float | None:

@@ -42,14 +42,14 @@ def number(
     return _words(_as_float, inside, f"a number{_bounds(above, at_least, at_most)}", metavar, count, unset)
 
 
-def whole(metavar: str, *, at_least: int, at_most: int | None = None) -> Values:
+def whole(metavar: str, *, at_least: int, at_most: int | None = None, unset: str = "none") -> Values:
     """A whole number inside bounds."""
 
     def inside(value: Any) -> bool:
         known = isinstance(value, int) and not isinstance(value, bool)
         return known and _inside(value, None, at_least, at_most)
 
-    return _words(_as_int, inside, f"a whole number{_bounds(None, at_least, at_most)}", metavar)
+    return _words(_as_int, inside, f"a whole number{_bounds(None, at_least, at_most)}", metavar, unset=unset)
 
 
 def choice(*names: str, later: Iterable[str] = (), unset: str = "none") -> Values:
@@ -88,6 +88,16 @@ def name_or_file(names: tuple[str, ...], suffixes: tuple[str, ...], later: Itera
         f"{{{','.join(names)}}}|FILE",
     )
     return dataclasses.replace(values, restore=_from_json(names), remark=_why_no_file)
+
+
+def address(*, unset: str) -> Values:
+    """A host and a port."""
+
+    def holds(value: Any) -> bool:
+        host, _, port = value.rpartition(":") if isinstance(value, str) else ("", "", "")
+        return host != "" and port.isascii() and port.isdigit() and 0 < int(port) < 65536
+
+    return _words(str, holds, "HOST:PORT, the port from 1 to 65535", "HOST:PORT", unset=unset)
 
 
 def anything() -> Values:

@@ -1,0 +1,77 @@
+"""Keys and values that all processes of a run see: the coordination service of jax.distributed."""
+
+import contextlib
+
+from jaxpaint.errors import InputError
+
+_ROOT, _SIGNS = "jaxpaint/", "jaxpaint/signs/"
+# Longest value of one key: messages of the service have an end.
+_PIECE = 1 << 20
+# How long a process waits for the others to start [s]: they may be queued, or slow to load.
+START = 300
+# And how long for them to leave, when all is done [s].
+_LEAVE = 30
+_LOOPBACK = ("localhost", "127.0.0.1", "::1", "[::1]")
+
+
+class Store:
+    """Signs are short texts that all look at; contents are bytes that one reads."""
+
+    def __init__(self, state) -> None:
+        self._state = state
+
+    def sign(self, name: str, text: str) -> None:
+        """Sets a sign; does nothing where the service is gone."""
+        with contextlib.suppress(RuntimeError):
+            self._state.client.key_value_set(_SIGNS + name, text or "-", allow_overwrite=True)
+
+    def signs(self) -> dict[str, str]:
+        """All signs. Raises RuntimeError where the service is gone."""
+        found = self._state.client.key_value_dir_get(_SIGNS)
+        return {key.removeprefix(_SIGNS): text for key, text in found}
+
+    def put(self, name: str, content: bytes) -> None:
+        """Bytes of any length, before a sign says that they are there."""
+        pieces = [content[at : at + _PIECE] for at in range(0, len(content), _PIECE)]
+        for number, piece in enumerate(pieces):
+            self._state.client.key_value_set_bytes(f"{_ROOT}{name}/{number}", piece)
+        self._state.client.key_value_set(f"{_ROOT}{name}/pieces", str(len(pieces)))
+
+    def get(self, name: str) -> bytes:
+        """What was put there."""
+        client = self._state.client
+        count = int(client.blocking_key_value_get(f"{_ROOT}{name}/pieces", 1000 * _LEAVE))
+        keys = [f"{_ROOT}{name}/{number}" for number in range(count)]
+        return b"".join(client.blocking_key_value_get_bytes(key, 1000 * _LEAVE) for key in keys)
+
+    def close(self) -> None:
+        """Leaves together with the others."""
+        with contextlib.suppress(RuntimeError):
+            self._state.shutdown()
+
+
+def open_store(coordinator: str, count: int, number: int) -> Store:
+    """Meets the others at `coordinator` (host:port). Raises InputError where they do not come."""
+    import jax
+    from jax._src.distributed import State  # the public functions would make all devices global
+
+    jax.config.update("jax_enable_preemption_service", False)  # it would take SIGTERM for itself
+    host = coordinator.rpartition(":")[0]
+    state = State()
+    try:
+        state.initialize(
+            coordinator,
+            count,
+            number,
+            cluster_detection_method="deactivate",
+            initialization_timeout=START,
+            coordinator_bind_address=coordinator if host in _LOOPBACK else None,
+            shutdown_timeout_seconds=_LEAVE,
+        )
+    except RuntimeError as error:
+        reason = str(error).partition("\n")[0]
+        raise InputError(
+            f"--coordinator: found {coordinator!r} ({reason}), allowed: an address of process 0 that all"
+            f" {count} processes reach"
+        ) from error
+    return Store(state)
