@@ -16,7 +16,7 @@ from experiments.commands import MODULES, Command, find
 from experiments.interrupts import INTERRUPTED, held
 from experiments.options import from_config, option_names, refuse, repeated, required, values_of
 from experiments.output import describe_versions, read_summary
-from experiments.processes import Peers, joined, launch, left_in_disorder
+from experiments.processes import Peers, PeersLost, joined, launch, left_open
 from jaxpaint.errors import InputError
 
 PROGRAM = "jaxpaint"
@@ -27,7 +27,7 @@ TRACEBACK_VARIABLE = "JAXPAINT_TRACEBACK"
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command line and return its exit status; the process is set up only where argv is None."""
     status = _run(sys.argv[1:] if argv is None else list(argv), owns_process=argv is None)
-    if argv is None and left_in_disorder():
+    if argv is None and left_open():
         sys.stdout.flush()
         os._exit(status)  # an orderly end would wait for processes that are gone
     return status
@@ -48,6 +48,8 @@ def _run(words: list[str], owns_process: bool) -> int:
         # Nobody reads standard output any more; the results are in their folder.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
+    except PeersLost as error:
+        return _complain(f"failed: {error}", 1)
     except Exception as error:
         if os.environ.get(TRACEBACK_VARIABLE):
             raise
@@ -72,7 +74,7 @@ def _dispatch(words: list[str], owns_process: bool) -> int:
     options.check()
     coordinator, count, number = options.split_over()
     if count > 1 and coordinator is None:
-        return launch(words, count)
+        return launch(words, count, options.out)
     if owns_process:
         process.prepare_jax()
     with joined(coordinator, count, number) as peers:

@@ -72,7 +72,8 @@ class Finished:
         scores = {
             name.removeprefix(_SCORE): arrays.pop(name) for name in list(arrays) if name.startswith(_SCORE)
         }
-        return cls(scores=scores, **arrays | {"executed_s": float(arrays["executed_s"])})
+        arrays["executed_s"] = float(arrays["executed_s"])
+        return cls(scores=scores, **arrays)
 
 
 _FIELDS = dataclasses.fields(WorldScore)

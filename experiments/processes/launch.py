@@ -13,6 +13,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import IO, NamedTuple
 
+from experiments.output import sweep
 from experiments.process import PROCESSES_HERE
 
 # What a process runs: the program itself, from where this one's code is.
@@ -23,6 +24,7 @@ _HEARD = 30.0
 # How long processes may take to end once they were told [s]: compiling cannot be broken off.
 _LAST = 60.0
 _WATCH = 0.1
+_VISIBLE = "CUDA_VISIBLE_DEVICES"
 # Names that the coordination service does not ask a proxy for.
 _NO_PROXY = "no_grpc_proxy"
 
@@ -35,8 +37,9 @@ class _Local(NamedTuple):
     said: IO[bytes] | None
 
 
-def launch(words: Sequence[str], count: int) -> int:
-    """Runs the command line `words` in `count` processes on this machine; the first one's exit status.
+def launch(words: Sequence[str], count: int, out: Path | None) -> int:
+    """Runs the command line `words`, which writes into `out`, in `count` processes on this machine; the first
+    one's exit status.
 
     The first process shows and writes everything. Where another one fails or dies all end: status 1, and a
     line says which and how. Signals are handed on to all. Where this process is killed, the others end by
@@ -55,6 +58,8 @@ def launch(words: Sequence[str], count: int) -> int:
                 _wait_for(other, _LAST if status == 0 else 0.0)
     finally:
         _end(local)
+        if local and _ended(local[0]) < 0:
+            sweep(out, local[0].run.pid)
     if lost is None and status >= 0:
         return status
     print(f"jaxpaint: failed: {_account(lost or local[0], count)}", file=sys.stderr, flush=True)
@@ -66,15 +71,24 @@ def _start(number: int, words: list[str], count: int) -> _Local:
     said = tempfile.TemporaryFile() if number else None  # noqa: SIM115
     path = os.pathsep.join([str(_ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
     direct = ",".join([*filter(None, [os.environ.get(_NO_PROXY)]), "127.0.0.1"])
+    own = {"PYTHONPATH": path, _NO_PROXY: direct, PROCESSES_HERE: str(count), **_gpus(number, count)}
     run = subprocess.Popen(
         [sys.executable, "-c", _START, *words],
-        env=os.environ | {"PYTHONPATH": path, _NO_PROXY: direct, PROCESSES_HERE: str(count)},
+        env=os.environ | own,
         stdin=subprocess.PIPE,  # its end says that this process is gone
         stdout=subprocess.DEVNULL if number else None,
         stderr=said,
         start_new_session=True,
     )
     return _Local(number, run, said)
+
+
+def _gpus(number: int, count: int) -> dict[str, str]:
+    """Which of the machine's GPUs a process sees; nothing is said where there are not as many as processes."""
+    chosen = os.environ.get(_VISIBLE)
+    here = Path("/dev").glob("nvidia[0-9]*") if chosen is None else ()
+    names = sorted(path.name.removeprefix("nvidia") for path in here) if chosen is None else chosen.split(",")
+    return {_VISIBLE: ",".join(names[number::count])} if len(names) >= count else {}
 
 
 def _watch(local: list[_Local]) -> _Local | None:

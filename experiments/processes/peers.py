@@ -2,8 +2,8 @@
 
 They find each other by the coordination service of jax.distributed, which process 0 runs, and talk through
 its store of keys and values. Devices stay apart: each process computes on its own, as a run alone would, and
-keeps compiled programs like one. (With jax's global devices all but the first would, on CPUs, compile anew each
-time.)
+keeps compiled programs like one. (With jax's global devices all but the first would, on CPUs, compile anew
+each time.)
 """
 
 import threading
@@ -119,12 +119,6 @@ class Peers:
 
 
 _joined: list[Peers] = []
-_disorder: list[int] = []
-
-
-def left_in_disorder() -> bool:
-    """Whether this process left the others by an exception: it has to end by `os._exit`."""
-    return bool(_disorder)
 
 
 def peers() -> Peers:
@@ -141,7 +135,6 @@ def joined(coordinator: str | None, count: int, number: int) -> Iterator[Peers]:
     if coordinator is None:
         yield Peers()
         return
-    _disorder.append(number)
     store = open_store(coordinator, count, number)
     mine, over = Peers(count, number, store), threading.Event()
     threading.Thread(target=_beat, args=(mine, over), daemon=True).start()
@@ -151,7 +144,6 @@ def joined(coordinator: str | None, count: int, number: int) -> Iterator[Peers]:
         if not number:
             mine.tell("done")
         store.close()
-        _disorder.remove(number)
     except BaseException as error:
         mine.tell(f"failed-{number}", _words(mine, error))
         raise

@@ -11,7 +11,14 @@ _PIECE = 1 << 20
 START = 300
 # And how long for them to leave, when all is done [s].
 _LEAVE = 30
+# A service that is torn down under those who use it ends the process with a dump: it lives as long.
+_OPEN: list = []
 _LOOPBACK = ("localhost", "127.0.0.1", "::1", "[::1]")
+
+
+def left_open() -> bool:
+    """Whether this process has a service that it did not leave together with the others."""
+    return bool(_OPEN)
 
 
 class Store:
@@ -48,16 +55,21 @@ class Store:
         """Leaves together with the others."""
         with contextlib.suppress(RuntimeError):
             self._state.shutdown()
+        _OPEN.remove(self._state)
 
 
 def open_store(coordinator: str, count: int, number: int) -> Store:
-    """Meets the others at `coordinator` (host:port). Raises InputError where they do not come."""
+    """Meets the others at `coordinator` (host:port). Raises InputError where they do not come.
+
+    A process that then ends without `close` has to do so by `os._exit`, see `left_open`.
+    """
     import jax
     from jax._src.distributed import State  # the public functions would make all devices global
 
     jax.config.update("jax_enable_preemption_service", False)  # it would take SIGTERM for itself
     host = coordinator.rpartition(":")[0]
     state = State()
+    _OPEN.append(state)
     try:
         state.initialize(
             coordinator,

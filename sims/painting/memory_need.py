@@ -3,6 +3,7 @@
 docs/scale.md has the figures that the constants were measured by, and a test holds small runs against them.
 """
 
+import math
 import os
 from typing import NamedTuple
 
@@ -11,8 +12,9 @@ import numpy as np
 from sims.paint import PaintGrid
 from sims.painting.films import HELD
 from sims.painting.job import Job
+from sims.painting.lay import LOG_ROWS
 from sims.painting.path import STATION_EVERY
-from sims.painting.scan import MAX_POINTS
+from sims.painting.scan import MAX_POINTS, PLAN_ROWS
 from sims.rollout import RECORD_EVERY
 from sims.worlds import Kinematic
 
@@ -89,9 +91,15 @@ def memory_need(job: Job, grid: PaintGrid, *, seconds: float, cells: int, device
 
 def _numbers(job: Job, seconds: float) -> tuple[int, int]:
     """Numbers of a world: what it saw and plans, and what it did."""
-    arm, dt = job.robot.home.shape[0], float(job.dt)
-    scan = _EACH_VIEW * job.camera_place.shape[0] / dt * (2 * (3 + arm) + 1 + _ROW)
-    plan = seconds / dt * (_ROW + _STATION / STATION_EVERY)
-    path = job.picture.shape[0] * _POINT + (int(np.max(np.asarray(job.stroke), initial=0)) + 1) * _STROKE
-    records = _WAITING * seconds / dt / RECORD_EVERY
+    arm, dt, views = job.robot.home.shape[0], float(job.dt), job.camera_place.shape[0]
+    scan = _up(_EACH_VIEW * views / dt, PLAN_ROWS) * (2 * (3 + arm) + 1 + _ROW)
+    rows = _up(seconds / dt, PLAN_ROWS)
+    plan = rows * (_ROW + _STATION / STATION_EVERY)
+    strokes = int(np.max(np.asarray(job.stroke), initial=-1)) + 1
+    path = job.picture.shape[0] * _POINT + strokes * _STROKE
+    records = _up(_WAITING * rows / RECORD_EVERY, LOG_ROWS)
     return int(3 * MAX_POINTS + scan + plan + path), int(records * (2 * (_RECORDED + arm) + _LAID))
+
+
+def _up(count: float, multiple: int) -> int:
+    return multiple * math.ceil(count / multiple)
