@@ -58,10 +58,10 @@ class Finished:
 
     def to_bytes(self) -> bytes:
         """For another process."""
-        arrays = {name: value for name, value in vars(self).items() if name != "scores"}
-        scores = {_SCORE + name: column for name, column in self.scores.items()}
+        arrays: dict[str, Any] = {name: value for name, value in vars(self).items() if name != "scores"}
+        arrays |= {_SCORE + name: column for name, column in self.scores.items()}
         content = io.BytesIO()
-        np.savez_compressed(content, **arrays, **scores)
+        np.savez_compressed(content, **arrays)
         return content.getvalue()
 
     @classmethod

@@ -80,7 +80,7 @@ def _shown(rows: Sequence[WorldScore]) -> list[int]:
 
 
 def _wall(task: PaintTask, mission: Mission, world: int, name: str) -> PaintedWall:
-    thickness = mission.laid.films[world]
+    thickness = mission.laid.films[world].copy()  # or it would hold the whole group's
     cell, origin = float(task.grid.cell), np.asarray(task.grid.origin, float)
     rows, columns = task.grid.shape
     lower = origin - cell / 2

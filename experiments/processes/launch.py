@@ -84,7 +84,7 @@ def _start(number: int, words: list[str], count: int) -> _Local:
 
 
 def _gpus(number: int, count: int) -> dict[str, str]:
-    """Which of the machine's GPUs a process sees; nothing is said where there are not as many as processes."""
+    """Which of the machine's GPUs a process sees; nothing is said where there are fewer than processes."""
     chosen = os.environ.get(_VISIBLE)
     here = Path("/dev").glob("nvidia[0-9]*") if chosen is None else ()
     names = sorted(path.name.removeprefix("nvidia") for path in here) if chosen is None else chosen.split(",")

@@ -1,4 +1,4 @@
-"""A world's bits depend neither on the chunk it is computed in, nor on how many devices and worlds there are."""
+"""A world's bits depend neither on the chunk it is computed in, nor on the number of devices and worlds."""
 
 import os
 import subprocess
