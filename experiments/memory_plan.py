@@ -53,10 +53,11 @@ def memory_plan(task: PaintTask, options: PaintOptions) -> MemoryPlan:
     used, budget = resident(), budget_of(options)
     worlds = -(-options.worlds // options.processes)
     fits = _fits(need, worlds, budget - used, device_limit() if jax.default_backend() != "cpu" else None)
-    most = CHUNK * devices if jax.default_backend() == "cpu" else worlds
-    group = largest_group(fits, worlds, step=CHUNK * devices, most=most)
+    step = CHUNK * devices
+    most = step if jax.default_backend() == "cpu" else worlds + step
+    group = largest_group(fits, worlds, step=step, most=most)
     if group is None:
-        _refuse(options, budget, used + need.host(min(CHUNK * devices, worlds), worlds))
+        _refuse(options, budget, used + need.host(min(step, worlds), worlds))
     return MemoryPlan(budget, used + need.host(group, worlds), group)
 
 
