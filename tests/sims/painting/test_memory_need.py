@@ -44,20 +44,18 @@ def test_how_long_a_plan_takes_is_known_before(task, mission):
 
 def test_what_a_world_of_a_group_takes(task, mission, need):
     """Of a mission whose programs are there: the most of what Python and the devices hold at a time."""
-    held = []
+    live = [sum(array.nbytes for array in jax.live_arrays())]
 
-    def look(share):
-        live = sum(array.nbytes for array in jax.live_arrays())
-        held.append(live + tracemalloc.get_traced_memory()[0])
+    def look(share=1.0):
+        live.append(sum(array.nbytes for array in jax.live_arrays()))
 
-    before = sum(array.nbytes for array in jax.live_arrays())
     tracemalloc.start()
     again = run_mission(task.job, task.grid, np.arange(WORLDS), advance=look)
-    look(1)
-    most = max(*held, held[-1] - tracemalloc.get_traced_memory()[0] + tracemalloc.get_traced_memory()[1])
+    look()
+    _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     assert again.status.tolist() == mission.status.tolist()
-    took = (most - before) / WORLDS
+    took = (peak + max(live) - live[0]) / WORLDS
     assert LOW < (need.each + need.film) / took < HIGH, f"{took / 1e6:.2f} MB a world"
 
 
