@@ -32,13 +32,12 @@ def test_two_processes_find_what_one_finds(tmp_path):
 def painted(folder: Path, processes: int) -> Path:
     """The result folder of five worlds."""
     out = folder / f"out-{processes}"
-    words = (
-        f"--image {folder / 'two.svg'} --canvas-size 0.5 0.5 --worlds 5 --processes {processes} --out {out}"
-    )
+    where = f"--image {folder / 'two.svg'} --canvas-size 0.5 0.5 --out {out}"
+    words = ["paint", *where.split(), "--worlds", "5", "--processes", str(processes)]
+    own = {"PYTHONPATH": str(ROOT), "JAX_PLATFORMS": "cpu", "JAXPAINT_CACHE": str(folder / "cache")}
     run = subprocess.run(
-        [sys.executable, "-c", "from experiments.cli import main; raise SystemExit(main())", "paint", *words.split()],
-        env=os.environ | {"PYTHONPATH": str(ROOT), "JAX_PLATFORMS": "cpu", "JAXPAINT_CACHE": str(folder / "cache")},
-        capture_output=True, text=True, check=False,
+        [sys.executable, "-c", "from experiments.cli import main; raise SystemExit(main())", *words],
+        env=os.environ | own, capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert run.returncode == 0, run.stderr
     assert run.stderr == ""
