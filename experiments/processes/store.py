@@ -1,6 +1,8 @@
 """Keys and values that all processes of a run see: the coordination service of jax.distributed."""
 
 import contextlib
+import threading
+import time
 
 from jaxpaint.errors import InputError
 
@@ -9,6 +11,7 @@ _ROOT, _SIGNS = "jaxpaint/", "jaxpaint/signs/"
 _PIECE = 1 << 20
 # How long a process waits for the others to start [s]: they may be queued, or slow to load.
 START = 300
+_WAIT = 0.2
 # And how long for them to leave, when all is done [s].
 _LEAVE = 30
 # A service that is torn down under those who use it ends the process with a dump: it lives as long.
@@ -67,23 +70,34 @@ def open_store(coordinator: str, count: int, number: int) -> Store:
     from jax._src.distributed import State  # the public functions would make all devices global
 
     jax.config.update("jax_enable_preemption_service", False)  # it would take SIGTERM for itself
-    host = coordinator.rpartition(":")[0]
-    state = State()
+    state, failures = State(), []
     _OPEN.append(state)
+    # Beside the main thread, which so hears of signals and is less patient than the service, that ends in a
+    # dump.
+    meeting = threading.Thread(target=_meet, args=(state, coordinator, count, number, failures), daemon=True)
+    meeting.start()
+    until = time.monotonic() + START
+    while meeting.is_alive() and time.monotonic() < until:
+        meeting.join(_WAIT)
+    if meeting.is_alive():
+        failures.append(f"not all came in {START} s")
+    if failures:
+        allowed = f"an address of process 0 that all {count} processes reach"
+        raise InputError(f"--coordinator: found {coordinator!r} ({failures[0]}), allowed: {allowed}")
+    return Store(state)
+
+
+def _meet(state, coordinator: str, count: int, number: int, failures: list[str]) -> None:
+    host = coordinator.rpartition(":")[0]
     try:
         state.initialize(
             coordinator,
             count,
             number,
             cluster_detection_method="deactivate",
-            initialization_timeout=START,
+            initialization_timeout=2 * START,
             coordinator_bind_address=coordinator if host in _LOOPBACK else None,
             shutdown_timeout_seconds=_LEAVE,
         )
-    except RuntimeError as error:
-        reason = str(error).partition("\n")[0]
-        raise InputError(
-            f"--coordinator: found {coordinator!r} ({reason}), allowed: an address of process 0 that all"
-            f" {count} processes reach"
-        ) from error
-    return Store(state)
+    except Exception as error:
+        failures.append(str(error).partition("\n")[0])
