@@ -1,7 +1,4 @@
-"""A world's bits depend neither on the chunk it is computed in, nor on the number of devices and worlds.
-
-Chunks are multiples of 8, as all that the program uses are: docs/compiling.md says why.
-"""
+"""A world's bits depend neither on the chunk it is computed in, nor on the number of devices and worlds."""
 
 import os
 import subprocess
@@ -90,7 +87,7 @@ def rollouts(
 @pytest.mark.parametrize("kind", ["kinematic", "dynamic"])
 def test_neither_chunk_nor_devices_nor_worlds_change_a_bit(kind, tmp_path):
     alone = rollouts(kind, 1, 20, [8, 32], tmp_path / "one.npz")
-    beside = rollouts(kind, 2, 5, [8, 32], tmp_path / "two.npz")
+    beside = rollouts(kind, 2, 5, [4, 32], tmp_path / "two.npz")
     first = alone[8]
     assert max(np.ptp(leaf, axis=0).max() for leaf in first if leaf.dtype == np.float32) > 1e-3, (
         "worlds differ"
