@@ -10,8 +10,8 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 
-# `RolloutState.world.servos.told`, as a leaf.
-TOLD = 14
+# `RolloutState.world.servos.rolling`, as a leaf.
+ROLLING = 14
 
 # Short rollouts of a few worlds that start and slip differently: for each chunk, all that came out.
 ROLLOUTS = """
@@ -103,14 +103,14 @@ def test_neither_chunk_nor_devices_nor_worlds_change_a_bit(tmp_path):
 
 
 @pytest.mark.slow
-def test_physics_too_but_for_what_the_drives_are_told(tmp_path):
-    """Chunks are multiples of 8 there. Between one device and two the rolling that a standing base is told
-    differs, which is zero but for rounding: docs/compiling.md.
+def test_physics_too_but_for_how_the_base_rolls(tmp_path):
+    """Chunks are multiples of 8 there. Between one device and two the base's rolling differs in its last bit:
+    docs/compiling.md.
     """
     alone = rollouts("dynamic", 1, 20, [8, 32], tmp_path / "one.npz")
     beside = rollouts("dynamic", 2, 5, [8, 32], tmp_path / "two.npz")
     assert differing(alone[8], alone[32]) == {}
     assert differing(beside[8], beside[32]) == {}
-    told = differing(alone[8], beside[8])
-    assert set(told) <= {TOLD}
-    assert max(told.values(), default=0.0) < 1e-6
+    rolling = differing(alone[8], beside[8])
+    assert set(rolling) <= {ROLLING}
+    assert max(rolling.values(), default=0.0) < 1e-9
