@@ -13,11 +13,10 @@ from experiments.commands.paint_options import PaintOptions
 from experiments.options import refuse
 from experiments.paint_job import PaintTask
 from experiments.process import processes_here
+from jaxpaint.compiling import CHUNK
 from jaxpaint.errors import InputError
 from sims.painting.memory_need import MemoryNeed, memory_need, plan_time
 
-# Worlds that a device computes side by side: what `batched` takes at a time, and fills up to.
-CHUNK = 32
 # Share of what is free that a run takes unasked: the rest is for the estimate's error and for others.
 _SHARE = 0.8
 GB = 1e9

@@ -18,6 +18,8 @@ CACHE_VARIABLE = "JAXPAINT_CACHE"
 """Where compiled programs are kept; an empty value keeps none."""
 PROCESSES_HERE = "JAXPAINT_PROCESSES_HERE"
 """How many processes of one run share this machine; set for those that the program starts itself."""
+# Programs for one device round differently from those for several: every process has two at least.
+_LEAST = 2
 # How long a process may take to end once it was told [s].
 _LAST = 60.0
 
@@ -40,7 +42,7 @@ def prepare_jax() -> None:
 
     logging.getLogger("jax").setLevel(logging.ERROR)
     if "xla_force_host_platform_device_count" not in os.environ.get("XLA_FLAGS", ""):
-        jax.config.update("jax_num_cpu_devices", cores())
+        jax.config.update("jax_num_cpu_devices", max(_LEAST, cores()))
     folder = cache_folder()
     if folder is not None:
         jax.config.update("jax_compilation_cache_dir", str(folder))

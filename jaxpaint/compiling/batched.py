@@ -22,6 +22,8 @@ CPU_OPTIONS = {
     "xla_disable_hlo_passes": "cse_barrier_expander,cpu-parallel-task-assigner,small-while-loop-hoisting",
     "xla_backend_optimization_level": 1,
 }
+# Worlds that a device computes side by side, where nothing else is asked for.
+CHUNK = 32
 # Work on big arrays, one world at a time, needs no barriers; it only must not reach for the thread pool.
 _DENSE_OPTIONS = {"xla_disable_hlo_passes": "cpu-parallel-task-assigner"}
 
@@ -129,7 +131,7 @@ def batched(
     function: Callable,
     *,
     in_axes: tuple[int | None, ...] | int = 0,
-    chunk: int = 32,
+    chunk: int = CHUNK,
     block: int | None = None,
 ) -> Batched:
     """Turns a function of one world into a compiled function of many.

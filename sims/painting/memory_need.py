@@ -9,7 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from jaxpaint.compiling import CHUNK
 from sims.paint import PaintGrid
+from sims.painting.drive import WINDOW
 from sims.painting.films import HELD
 from sims.painting.job import Job
 from sims.painting.lay import LOG_ROWS
@@ -79,14 +81,22 @@ def memory_need(job: Job, grid: PaintGrid, *, seconds: float, cells: int, device
     scoring = (os.cpu_count() or 1) * cells * _SCORED
     physics = 0 if isinstance(job.fidelity, Kinematic) else _MORE_FOR_PHYSICS
     planned, recorded = _numbers(job, seconds)
+    apart = devices * looking + block_bytes(devices, size)
     return MemoryNeed(
-        once=int(_PROGRAMS + physics + devices * looking + scoring),
+        once=int(_PROGRAMS + physics + apart + scoring),
         each=size * (planned + recorded) + MAX_POINTS,
         film=job.colours * int(np.prod(grid.shape)) * size,
         kept=_KEPT,
-        device_once=devices * looking,
+        device_once=apart,
         device_each=size * (planned + recorded) + MAX_POINTS,
     )
+
+
+def block_bytes(devices: int, size: int) -> int:
+    """What a block of control steps takes while it runs: rows of the plan for chunks that are filled up, cut
+    out on the host, placed, and worked on.
+    """
+    return 3 * size * devices * CHUNK * WINDOW * _ROW
 
 
 def _numbers(job: Job, seconds: float) -> tuple[int, int]:

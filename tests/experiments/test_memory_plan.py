@@ -7,9 +7,10 @@ import pytest
 
 from experiments import memory_plan
 from experiments.commands.paint_options import PaintOptions
-from experiments.memory_plan import CHUNK, GB, available, budget_of, largest_group, resident
+from experiments.memory_plan import GB, available, budget_of, largest_group, resident
 from experiments.paint_job import paint_task
 from experiments.process import PROCESSES_HERE
+from jaxpaint.compiling import CHUNK
 from jaxpaint.errors import InputError
 from sims.painting.memory_need import MemoryNeed
 

@@ -1,15 +1,12 @@
 """Worlds in groups, and what is kept of them."""
 
 import dataclasses
-import inspect
 
 import numpy as np
 import pytest
 
 from experiments.finished import Finished, together
-from experiments.memory_plan import CHUNK
 from experiments.paint import groups_of
-from jaxpaint.compiling import batched
 from sims.scoring import WorldScore
 
 
@@ -19,10 +16,6 @@ def test_groups_are_no_more_than_it_takes(worlds):
     np.testing.assert_array_equal(np.concatenate(groups), np.arange(7, 7 + worlds))
     assert max(len(group) for group in groups) <= 64
     assert len(groups) == -(-worlds // 64)
-
-
-def test_the_chunk_is_the_one_that_programs_are_filled_up_to():
-    assert inspect.signature(batched).parameters["chunk"].default == CHUNK
 
 
 def finished(worlds: np.ndarray) -> Finished:
