@@ -7,15 +7,16 @@ import os
 import re
 import sys
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, NoReturn, Union
 
 from experiments import process
 from experiments.commands import MODULES, Command, find
-from experiments.interrupts import INTERRUPTED
+from experiments.interrupts import INTERRUPTED, held
 from experiments.options import from_config, option_names, refuse, repeated, required, values_of
 from experiments.output import describe_versions, read_summary
+from experiments.processes import Peers, PeersLost, joined, launch, left_open
 from jaxpaint.errors import InputError
 
 PROGRAM = "jaxpaint"
@@ -25,11 +26,18 @@ TRACEBACK_VARIABLE = "JAXPAINT_TRACEBACK"
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command line and return its exit status; the process is set up only where argv is None."""
-    words = sys.argv[1:] if argv is None else list(argv)
+    status = _run(sys.argv[1:] if argv is None else list(argv), owns_process=argv is None)
+    if argv is None and left_open():
+        sys.stdout.flush()
+        os._exit(status)  # an orderly end would wait for processes that are gone
+    return status
+
+
+def _run(words: list[str], owns_process: bool) -> int:
     try:
-        if argv is None:
+        if owns_process:
             process.prepare_python()
-        status = _dispatch(words, owns_process=argv is None)
+        status = _dispatch(words, owns_process)
         sys.stdout.flush()
         return status
     except InputError as error:
@@ -40,6 +48,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         # Nobody reads standard output any more; the results are in their folder.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
+    except PeersLost as error:
+        return _complain(f"failed: {error}", 1)
     except Exception as error:
         if os.environ.get(TRACEBACK_VARIABLE):
             raise
@@ -62,11 +72,26 @@ def _dispatch(words: list[str], owns_process: bool) -> int:
     if options is None:
         return 0
     options.check()
+    coordinator, count, number = options.split_over()
+    if count > 1 and coordinator is None:
+        return launch(words, count, options.out)
     if owns_process:
         process.prepare_jax()
-    from experiments.commands.running import run
+    with joined(coordinator, count, number) as peers:
+        if number and command.share is not None:
+            return _help_out(command.share, options, peers)
+        from experiments.commands.running import run
 
-    return run(command, options)
+        return run(command, options)
+
+
+def _help_out(share: Callable[[Any], None], options: Any, peers: Peers) -> int:
+    """The work of a further process: a first signal ends it with what it has finished."""
+    with held() as interrupts:
+        interrupts.keep()
+        share(options)
+        peers.wait_for_the_end()
+    return 0
 
 
 def parse(command: Command, words: list[str]) -> Any:

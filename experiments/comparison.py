@@ -76,7 +76,7 @@ STATISTICS: dict[str, _Statistic] = {
 }
 """Figures of a painting run whose interval comes from its worlds."""
 
-_NO_FIGURES = ("config", "versions", "seed", "files", "interrupted", "history")
+_NO_FIGURES = ("config", "versions", "seed", "files", "interrupted", "history", "memory", "processes")
 _COUNTS = ("status.", "modes.")
 
 

@@ -22,15 +22,19 @@ REASONS = {
 _NAMED = 12
 
 
-def dropped_words(stroke: Int[np.ndarray, " points"], status: Int[np.ndarray, "worlds points"]) -> list[str]:
+def cause_counts(status: Int[np.ndarray, "worlds points"]) -> Int[np.ndarray, "causes points"]:
+    """In how many worlds each point met each `Cause`."""
+    return np.stack([(status == cause).sum(axis=0) for cause in Cause])
+
+
+def dropped_words(stroke: Int[np.ndarray, " points"], counts: Int[np.ndarray, "causes points"]) -> list[str]:
     """One line for each reason why points were left out, with the strokes they belong to.
 
-    stroke: the stroke of each point, from 0; names count from 1, as the preview does. status: a `Cause` for
-    each point in each world. A point counts where it was left out in at least half of the worlds, by its
-    commonest cause.
+    stroke: the stroke of each point, from 0; names count from 1, as the preview does. counts: by
+    `cause_counts`. A point counts where it was left out in at least half of the worlds, by its commonest
+    cause.
     """
-    counts = np.stack([(status == cause).mean(axis=0) for cause in Cause])
-    lost = counts[Cause.HIT] <= 0.5
+    lost = 2 * counts[Cause.HIT] <= counts.sum(axis=0)
     cause = 1 + counts[1:].argmax(axis=0)
     lines = []
     for reason, words in REASONS.items():

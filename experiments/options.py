@@ -16,8 +16,11 @@ from jaxpaint.errors import InputError
 
 Options = TypeVar("Options")
 
-NOT_REPEATED = ("out", "overwrite", "config", "chosen")
-"""Options that say where one run goes; `--config` takes them from the command line alone."""
+NOT_REPEATED = (
+    "out", "overwrite", "config", "chosen", "memory_gb", "processes", "coordinator", "process",
+)  # fmt: skip
+"""Options that say where one run goes, and on what it runs, which changes no figure; `--config` takes them
+from the command line alone."""
 
 _POSITIONAL = typing.get_args(Positional[int])[1]
 

@@ -1,34 +1,35 @@
 """The main job: a picture painted on a wall in many randomised worlds."""
 
+import dataclasses
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 from typing import Any, cast
 
-import jax
 import numpy as np
 from matplotlib.colors import to_hex
 
 from experiments.commands.paint_options import PaintOptions
 from experiments.commands.paint_outcome import PaintOutcome
 from experiments.dropped import dropped_words
-from experiments.exports.planned import planned
-from experiments.interrupts import Stop, held
+from experiments.exports.planned import not_finished, planned
+from experiments.finished import Finished, together
+from experiments.interrupts import Interrupts, Stop, held
+from experiments.memory_plan import memory_plan
 from experiments.paint_job import PaintTask, paint_task
 from experiments.paint_report import report_data
+from experiments.processes import peers
+from experiments.progress import silent
 from experiments.recording import Recording, chosen, joined, recorded, shown
+from experiments.report.paint import ReportData
 from experiments.report.stroke_preview import stroke_preview
 from sims.painting.decide import Chooser
+from sims.painting.joint_plan import JointTrajectory
 from sims.painting.lay import paint_scores
 from sims.painting.mission import Mission, run_mission
 from sims.painting.views_seen import share_seen
 from sims.randomise import Ranges, randomised
 from sims.rollout import RECORD_EVERY
 from sims.scoring import WorldScore, summarise, world_scores
-
-# Worlds that a device computes side by side: what `batched` takes at a time, and fills up to.
-CHUNK = 32
-# Worlds that run at once at most: what memory likes.
-MOST = 256
 
 COLUMNS = {
     "status": "status",
@@ -60,54 +61,129 @@ COLUMNS = {
 
 def run(options: PaintOptions, progress: Callable[..., AbstractContextManager[Any]]) -> PaintOutcome:
     """Scan, map, decide, move, paint and score in all worlds. Raises InputError for bad input."""
-    task = paint_task(options)
-    groups = groups_of(options.worlds)
-    missions, rows, kept = [], [], []
-    with held() as interrupts, progress("paint", float(len(groups))) as bar:
-        for index in groups:
-            try:
-                mission = _mission(task, options, index, interrupts.checked(bar.advance))
-                rows += score(task, mission)
-            except Stop:
-                break
-            kept += chosen(task, mission, index, options.record)
-            missions.append(mission if not missions else _light(mission))
-            interrupts.keep()
+    task, others = paint_task(options), peers()
+    memory = memory_plan(task, options)
+    with held() as interrupts:
+        share = _share(task, options, memory.group, progress, interrupts)
+        parts = others.gather(_handed_in(share), interrupts)
+    found = [Finished.from_bytes(part) for part in parts if part]
+    done, executed = together(found), max(part.executed_s for part in found)
+    rows, steps = done.rows, int(done.steps.sum())
+    refused = _refused(options, share)
     summary = summarise(rows) | {
-        "path": _path(task, missions),
+        "path": _path(task, done),
         "viewpoints": _viewpoints(task),
-        "modes": _modes(missions),
-        "control_steps": int(sum(steps_of(m).sum() for m in missions)),
-        "steps_per_s": float(sum(steps_of(m).sum() for m in missions) / sum(m.executed_s for m in missions)),
+        "modes": _modes(done),
+        "control_steps": steps,
+        "steps_per_s": steps / executed,
+        "memory": memory.summary(),
+        "processes": others.count,
     }
-    plan, refused = planned(task.job, missions, options.export_world) if options.export else (None, "")
     return PaintOutcome(
         summary=summary,
-        worlds=_columns(rows, missions, options),
-        trajectories=_trajectories(task, missions[0], rows, kept, options.record),
-        report=report_data(task, missions[0], rows),
+        worlds=_columns(rows, done, options),
+        trajectories=joined(share.kept, options.record) if share.kept else share.trajectories,
+        report=cast(ReportData, share.report),
         resolved=task.resolved,
         notes=(
             *task.notes,
-            *_dropped(task, missions),
+            *_dropped(task, done),
             *_unrecorded(options.record, len(rows)),
             *([refused] if refused else []),
         ),
         interrupted=len(rows) < options.worlds,
-        plan=plan,
+        plan=share.plan,
         refused=refused,
         preview=stroke_preview(task.strokes, task.drawing, radius=options.brush_radius),
     )
 
 
-def groups_of(worlds: int) -> list[np.ndarray]:
-    """Indices of the worlds that run together; a run that is broken off keeps whole groups.
+def run_share(options: PaintOptions) -> None:
+    """The worlds of a further process: the first one is handed their figures."""
+    task = paint_task(options)
+    with held() as interrupts:
+        share = _share(task, options, memory_plan(task, options).group, silent, interrupts)
+        peers().gather(_handed_in(share), interrupts)
 
-    On CPUs a group is one chunk for each device: fewer worlds would take as long, since chunks are filled up,
-    and more are not done sooner. Other devices do better the more they are given.
+
+@dataclasses.dataclass(frozen=True)
+class _Share:
+    """What one process's worlds came to: of all of them a few figures, of the first group the pictures and
+    trajectories. kept: trajectories of worlds that a user named.
     """
-    size = min(MOST, CHUNK * jax.local_device_count()) if jax.default_backend() == "cpu" else MOST
-    return np.array_split(np.arange(worlds), -(-worlds // size))
+
+    done: Finished | None = None
+    trajectories: Recording = dataclasses.field(default_factory=dict)
+    kept: tuple[Recording, ...] = ()
+    report: ReportData | None = None
+    plan: JointTrajectory | None = None
+    refused: str = ""
+
+
+def _share(task: PaintTask, options: PaintOptions, size: int, progress, interrupts: Interrupts) -> _Share:
+    """Runs this process's worlds, group by group; nothing of a group but its `Finished` outlives it."""
+    groups = groups_of(peers().share(options.worlds), size)
+    share = _Share()
+    with progress("paint", float(len(groups))) as bar:
+        advance = interrupts.checked(peers().checked(bar.advance))
+        for index in groups:
+            try:
+                mission = _mission(task, options, index, advance)
+                rows = score(task, mission)
+            except Stop:
+                break
+            share = _with_group(share, task, options, index, mission, rows)
+            interrupts.keep()
+            del mission  # or it would lie in memory until the next one is done
+    return share
+
+
+def _with_group(
+    share: _Share, task: PaintTask, options: PaintOptions, index, mission: Mission, rows
+) -> _Share:
+    """One more group; the first one is shown, and only by the first process."""
+    new = Finished.of(index, mission, rows)
+    if share.done is not None:
+        share = dataclasses.replace(share, done=together([share.done, new]))
+    else:
+        first = {} if peers().number else _shown(task, mission, rows)
+        share = _Share(new, **first)
+    kept = chosen(task, mission, index, options.record)
+    share = dataclasses.replace(share, kept=(*share.kept, *kept))
+    if options.export and options.export_world in index:
+        plan, refused = planned(task.job, index, mission, options.export_world)
+        share = dataclasses.replace(share, plan=plan, refused=refused)
+    return share
+
+
+def _shown(task: PaintTask, mission: Mission, rows: list[WorldScore]) -> dict:
+    return {
+        "trajectories": recorded(task, mission, shown(rows)),
+        "report": report_data(task, mission, rows),
+    }
+
+
+def _unrecorded(worlds: Sequence[int], finished: int) -> list[str]:
+    """Which of the worlds that a user named are not in trajectories.npz, in words."""
+    lost = [str(world) for world in worlds if world >= finished]
+    return [f"not recorded, as not finished: world {', '.join(lost)}"] if lost else []
+
+
+def _handed_in(share: _Share) -> bytes:
+    """Nothing where no group was finished."""
+    return b"" if share.done is None else share.done.to_bytes()
+
+
+def _refused(options: PaintOptions, share: _Share) -> str:
+    """Why nothing is exported though it was asked for."""
+    if not options.export or share.plan is not None:
+        return ""
+    return share.refused or not_finished(options.export_world)
+
+
+def groups_of(index: np.ndarray, size: int) -> list[np.ndarray]:
+    """Worlds that run together, at most `size`; a run that is broken off keeps whole groups."""
+    return np.array_split(index, -(-len(index) // size))
 
 
 def _mission(task: PaintTask, options: PaintOptions, index: np.ndarray, advance) -> Mission:
@@ -131,40 +207,13 @@ def steps_of(mission: Mission) -> np.ndarray:
     return np.asarray(mission.driven.state.steps)
 
 
-def _light(mission: Mission) -> Mission:
-    """Without the big arrays, which only the first group's report needs; of worlds whose trajectories a user
-    asked for, `kept` has them.
-    """
-    none = np.zeros((len(mission.status), 0, 3))
-    laid = mission.laid._replace(thickness=None, uv=none[..., :2], colour=None)
-    record = jax.tree.map(lambda x: np.asarray(x)[:, :0].copy(), mission.driven.record)
-    driven = mission.driven._replace(record=record)
-    truth = mission.truth.__class__(none, none)
-    return mission._replace(clouds=(none, none), truth=truth, laid=laid, driven=driven)
-
-
-def _trajectories(
-    task: PaintTask, first: Mission, rows: list[WorldScore], kept: list[Recording], worlds: Sequence[int]
-) -> Recording:
-    """Arrays of the worlds that a user named, or else of a few of the first group, whose rows come first."""
-    return joined(kept, worlds) if kept else recorded(task, first, shown(rows[: len(first.status)]))
-
-
-def _unrecorded(worlds: Sequence[int], finished: int) -> list[str]:
-    """Which of the worlds that a user named are not in trajectories.npz, in words."""
-    lost = [str(world) for world in worlds if world >= finished]
-    return [f"not recorded, as not finished: world {', '.join(lost)}"] if lost else []
-
-
-def _path(task: PaintTask, missions: list[Mission]) -> dict:
+def _path(task: PaintTask, done: Finished) -> dict:
     """Length and travel in the mean over worlds."""
-    down = np.concatenate([np.asarray(m.painting.path.down) for m in missions])
-    travel = np.concatenate([np.asarray(m.painting.path.travel) for m in missions])
     return {
         "strokes": int(task.strokes.count),
         "points": len(task.strokes.points),
-        "length": float(down.mean()),
-        "travel": float(travel.mean()),
+        "length": float(done.down.mean()),
+        "travel": float(done.travel.mean()),
         "passes": _passes(task),
     }
 
@@ -192,29 +241,24 @@ def _viewpoints(task: PaintTask) -> dict:
     }
 
 
-def _modes(missions: list[Mission]) -> dict[str, float]:
+def _modes(done: Finished) -> dict[str, float]:
     """Share of the decisions (viewpoints, strokes) for each controller."""
-    chosen = np.concatenate([np.concatenate([m.modes.scan, m.modes.paint]) for m in missions])
-    share = float(np.mean(chosen))
+    share = float(np.mean(done.whole_body))
     return {"trajectory": 1 - share, "whole-body": share}
 
 
-def _columns(rows: list[WorldScore], missions: list[Mission], options: PaintOptions) -> dict[str, np.ndarray]:
+def _columns(rows: list[WorldScore], done: Finished, options: PaintOptions) -> dict[str, np.ndarray]:
     """runs.parquet: one entry a world."""
     columns = {column: np.array([getattr(row, name) for row in rows]) for column, name in COLUMNS.items()}
-    count = len(rows)
-    steps = np.concatenate([steps_of(m) for m in missions])
-    diverged = np.concatenate([np.asarray(m.driven.state.diverged_at) for m in missions])
     return {
-        "world": np.arange(count),
-        "seed": np.full(count, options.seed),
+        "world": done.world,
+        "seed": np.full(len(rows), options.seed),
         **columns,
-        "control_steps": steps,
-        "diverged_at": diverged,
+        "control_steps": done.steps,
+        "diverged_at": done.diverged_at,
     }
 
 
-def _dropped(task: PaintTask, missions: list[Mission]) -> list[str]:
+def _dropped(task: PaintTask, done: Finished) -> list[str]:
     """What of the picture was left out, in words."""
-    status = np.concatenate([np.asarray(m.painting.path.status) for m in missions])
-    return dropped_words(np.asarray(task.strokes.stroke), status)
+    return dropped_words(np.asarray(task.strokes.stroke), done.met)

@@ -49,7 +49,7 @@ def dropped_points(missions: Sequence[Mission]) -> dict[str, int]:
 
 
 def _wall(task: PaintTask, mission: Mission, world: int, name: str) -> PaintedWall:
-    thickness = mission.laid.films[world]
+    thickness = mission.laid.films[world].copy()  # or it would hold the whole group's
     cell, origin = float(task.grid.cell), np.asarray(task.grid.origin, float)
     rows, columns = task.grid.shape
     lower = origin - cell / 2

@@ -7,6 +7,8 @@ import os
 import platform
 import signal
 import sys
+import threading
+import time
 import warnings
 from pathlib import Path
 
@@ -14,6 +16,12 @@ from experiments.interrupts import Interrupted
 
 CACHE_VARIABLE = "JAXPAINT_CACHE"
 """Where compiled programs are kept; an empty value keeps none."""
+PROCESSES_HERE = "JAXPAINT_PROCESSES_HERE"
+"""How many processes of one run share this machine; set for those that the program starts itself."""
+# Programs for one device round differently from those for several: every process has two at least.
+_LEAST = 2
+# How long a process may take to end once it was told [s].
+_LAST = 60.0
 
 
 def prepare_python() -> None:
@@ -24,6 +32,8 @@ def prepare_python() -> None:
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="replace")
     os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "2")  # read when XLA loads
+    if PROCESSES_HERE in os.environ:
+        threading.Thread(target=_end_with_the_starter, daemon=True).start()
 
 
 def prepare_jax() -> None:
@@ -32,7 +42,7 @@ def prepare_jax() -> None:
 
     logging.getLogger("jax").setLevel(logging.ERROR)
     if "xla_force_host_platform_device_count" not in os.environ.get("XLA_FLAGS", ""):
-        jax.config.update("jax_num_cpu_devices", cores())
+        jax.config.update("jax_num_cpu_devices", max(_LEAST, cores()))
     folder = cache_folder()
     if folder is not None:
         jax.config.update("jax_compilation_cache_dir", str(folder))
@@ -40,10 +50,17 @@ def prepare_jax() -> None:
 
 
 def cores() -> int:
-    """Cores this process may use: its affinity, cut by the quota of its control group."""
+    """Cores this process may use: its affinity, cut by the quota of its control group, and its share where
+    one run has several processes here.
+    """
     allowed = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     quota = _quota()
-    return max(1, allowed if quota is None else min(allowed, round(quota)))
+    return max(1, (allowed if quota is None else min(allowed, round(quota))) // processes_here())
+
+
+def processes_here() -> int:
+    """Processes of one run that share this machine."""
+    return int(os.environ.get(PROCESSES_HERE, "1"))
 
 
 def cache_folder() -> Path | None:
@@ -66,6 +83,16 @@ def cache_folder() -> Path | None:
 
 def _interrupt(number: int, _: object) -> None:
     raise Interrupted(number)
+
+
+def _end_with_the_starter() -> None:
+    """Whoever started this process holds its standard input open, and is gone when that ends."""
+    while os.read(0, 1):
+        pass
+    for patience in (1.0, _LAST):  # the first one may only be noted
+        os.kill(os.getpid(), signal.SIGTERM)
+        time.sleep(patience)
+    os._exit(128 + signal.SIGTERM)
 
 
 def _quota() -> float | None:

@@ -60,6 +60,12 @@ class _Shown:
 
 
 @contextmanager
+def silent(text: str, total: float | None = None) -> Iterator[Bar]:
+    """No bar, for work beside other work that has one."""
+    yield _Silent()
+
+
+@contextmanager
 def progress(text: str, total: float | None = None) -> Iterator[Bar]:
     """A bar for `total` units of work (None: unknown), gone at the end.
 

@@ -93,6 +93,16 @@ def name_or_file(names: tuple[str, ...], suffixes: tuple[str, ...], later: Itera
     return dataclasses.replace(values, restore=_from_json(names), remark=_why_no_file)
 
 
+def address(*, unset: str) -> Values:
+    """A host and a port."""
+
+    def holds(value: Any) -> bool:
+        host, _, port = value.rpartition(":") if isinstance(value, str) else ("", "", "")
+        return host != "" and port.isascii() and port.isdigit() and 0 < int(port) < 65536
+
+    return _words(str, holds, "HOST:PORT, the port from 1 to 65535", "HOST:PORT", unset=unset)
+
+
 def anything() -> Values:
     """Any one word: for what the program alone sets."""
     return _words(str, lambda value: True, "anything", "VALUE")

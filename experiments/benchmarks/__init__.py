@@ -1,7 +1,7 @@
 """Our speed beside what a user would write today, measured in one run: `jaxpaint bench`.
 
-A benchmark takes nothing and returns a `Bench`. Its module and its peers (the extra `bench`) are imported when
-it runs, not before, so that the rest of the package works without them.
+A benchmark takes nothing and returns a `Bench`. Its module and its peers (the extra `bench`) are imported
+when it runs, not before, so that the rest of the package works without them.
 """
 
 from collections.abc import Callable

@@ -38,6 +38,10 @@ class RunOptions:
         """Raise InputError for the first option that is not allowed."""
         check(self)
 
+    def split_over(self) -> tuple[str | None, int, int]:
+        """Where the processes of the run meet (None: nowhere yet), how many there are, and which this is."""
+        return None, 1, 0
+
     def without_effect(self) -> dict[str, str]:
         """Options that do nothing beside the others though they are set, and when they would do something."""
         return {}
@@ -64,8 +68,12 @@ class Outcome:
 
 @dataclasses.dataclass(frozen=True)
 class Command:
-    """One sub-command: its name, its options, and the work, which may write files into the run's folder."""
+    """One sub-command: its name, its options, and the work, which may write files into the run's folder.
+
+    share: the work of a further process of a run that is split over several, which writes nothing.
+    """
 
     name: str
     options: type[RunOptions]
     execute: Callable[[Any, RunFolder], Outcome]
+    share: Callable[[Any], None] | None = None

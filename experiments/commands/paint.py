@@ -68,4 +68,11 @@ def _with_tail(score: Mapping[str, Any], key: str, factor: float, unit: str) -> 
     return f"{quantity(score.get(key), factor, unit)} (95 %: {quantity(score.get('p95'), factor, unit)})"
 
 
-COMMAND = Command("paint", PaintOptions, execute)
+def share(options: PaintOptions) -> None:
+    """The work of a further process."""
+    from experiments.paint import run_share
+
+    run_share(options)
+
+
+COMMAND = Command("paint", PaintOptions, execute, share)

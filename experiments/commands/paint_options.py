@@ -27,7 +27,15 @@ class PaintOptions(RunOptions):
     wall: Annotated[str | Path, allowed.name_or_file(WALLS, CAPTURES)] = "flat"
     """Kind of wall, or a captured cloud or a mesh as the wall."""
     worlds: Annotated[int, allowed.whole("N", at_least=1)] = 64
-    """Randomised worlds, in groups of up to 32 for each core, or 256 in all: docs/exports.md."""
+    """Randomised worlds, in groups that fit into memory, on CPUs of up to 32 for each core: docs/scale.md."""
+    memory_gb: Annotated[float | None, allowed.number("G", above=0, unset="most of what is free")] = None
+    """Memory that all of it may take [GB = 1e9 bytes]; on other devices than CPUs the device's besides."""
+    processes: Annotated[int, allowed.whole("N", at_least=1)] = 1
+    """Processes that share the worlds; without --coordinator they are started here: docs/scale.md."""
+    coordinator: Annotated[str | None, allowed.address(unset="chosen for local processes")] = None
+    """Where processes meet that something else starts, one by one: an address of process 0 that all reach."""
+    process: Annotated[int | None, allowed.whole("I", at_least=0, unset="none")] = None
+    """Number of this process, from 0, beside --coordinator; number 0 writes and shows the result."""
     fidelity: Annotated[str, allowed.choice("kinematic", "dynamic", "wheeled")] = "kinematic"
     """How the robot moves: commanded velocities within limits (kinematic), by servos (dynamic), or on wheels
     that roll and slip (wheeled)."""
@@ -139,6 +147,28 @@ class PaintOptions(RunOptions):
         missing = [world for world in self.record if world >= self.worlds]
         if missing:
             refuse("--record", missing[0], f"below --worlds ({self.worlds})")
+        self._check_split()
+
+    def _check_split(self) -> None:
+        """Raise InputError where the worlds cannot be split over the processes as asked."""
+        count, least = self.processes, -(-self.worlds // self.processes)
+        if count > self.worlds:
+            refuse("--processes", count, f"at most --worlds ({self.worlds})")
+        if self.process is not None and self.coordinator is None:
+            refuse("--process", self.process, "only beside --coordinator", "no effect")
+        if self.coordinator is not None and self.process is None:
+            refuse("--coordinator", self.coordinator, "only beside --process")
+        if self.process is not None and self.process >= count:
+            refuse("--process", self.process, f"0 to {count - 1}, below --processes")
+        if self.export and self.export_world >= least:
+            refuse("--export-world", self.export_world, f"below {least}, the worlds of process 0 of {count}")
+        beyond = [world for world in self.record if world >= least]
+        if beyond:
+            refuse("--record", beyond[0], f"below {least}, the worlds of process 0 of {count}")
+
+    def split_over(self) -> tuple[str | None, int, int]:
+        """As the options say."""
+        return self.coordinator, self.processes, self.process or 0
 
     def without_effect(self) -> dict[str, str]:
         """Options that do nothing beside the others though they are set, and when they would do something."""

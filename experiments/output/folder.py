@@ -53,7 +53,7 @@ class RunFolder:
         parent = self.final if self._into else self.final.parent
         try:
             self._made = _make(parent)
-            self._stage = Path(tempfile.mkdtemp(prefix=f".{self.final.name}.partial-", dir=parent))
+            self._stage = Path(tempfile.mkdtemp(prefix=_prefix(self.final.name, os.getpid()), dir=parent))
             self._stage.chmod(0o777 & ~_umask())  # mkdtemp makes it private
         except OSError as error:
             self._discard()
@@ -96,6 +96,17 @@ class RunFolder:
         for parent in reversed(self._made):
             if parent.is_dir() and not any(parent.iterdir()):
                 parent.rmdir()
+
+
+def sweep(out: Path | None, pid: int) -> None:
+    """Removes what the process `pid`, which was killed, left half-written of its run into `out`."""
+    parents = (RUNS,) if out is None else (out, out.parent)
+    for stage in (found for parent in parents for found in parent.glob(_prefix("*", pid) + "*")):
+        shutil.rmtree(stage, ignore_errors=True)
+
+
+def _prefix(name: str, pid: int) -> str:
+    return f".{name}.partial-{pid}-"
 
 
 def _check(folder: Path, overwrite: bool) -> None:

@@ -7,6 +7,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jax.extend import core
 from jax.sharding import Mesh, NamedSharding, PartitionSpec
 
 from jaxpaint.compiling.batch_last import batch_last
@@ -22,6 +23,8 @@ CPU_OPTIONS = {
     "xla_disable_hlo_passes": "cse_barrier_expander,cpu-parallel-task-assigner,small-while-loop-hoisting",
     "xla_backend_optimization_level": 1,
 }
+# Worlds that a device computes side by side, where nothing else is asked for.
+CHUNK = 32
 # Work on big arrays, one world at a time, needs no barriers; it only must not reach for the thread pool.
 _DENSE_OPTIONS = {"xla_disable_hlo_passes": "cpu-parallel-task-assigner"}
 
@@ -117,10 +120,11 @@ class Batched:
 
         if self._dense:
             return jax.lax.map(run, moving)
-        if chunk == per_device:
+        if jax.default_backend() != "cpu" and chunk == per_device:
             return run(moving)
         split = [x.reshape(per_device // chunk, chunk, *x.shape[1:]) for x in moving]
-        return jax.tree.map(lambda x: x.reshape(per_device, *x.shape[2:]), jax.lax.map(run, split))
+        rounds = jax.lax.map if jax.default_backend() != "cpu" else _rounds
+        return jax.tree.map(lambda x: x.reshape(per_device, *x.shape[2:]), rounds(run, split))
 
     def _traced(self, *args):
         self.traces += 1
@@ -131,7 +135,7 @@ def batched(
     function: Callable,
     *,
     in_axes: tuple[int | None, ...] | int = 0,
-    chunk: int = 32,
+    chunk: int = CHUNK,
     block: int | None = None,
 ) -> Batched:
     """Turns a function of one world into a compiled function of many.
@@ -188,6 +192,27 @@ def _first(x: jax.Array, worlds: int, mesh: Mesh):
 def _on_one(x, mesh: Mesh):
     """The array where slicing moves nothing between devices: such a collective hangs on busy CPUs (seen)."""
     return np.asarray(x) if mesh.size > 1 else jnp.asarray(x)
+
+
+def _rounds(function, parts):
+    """`jax.lax.map`, but XLA does not know how often it goes round, and there is room for two rounds: of one
+    round it would make other code, and a world's last bits would depend on how many others there are.
+    """
+    count = parts[0].shape[0]
+    parts = parts if count > 1 else [jnp.concatenate([x, x]) for x in parts]
+    jaxpr, shape = jax.make_jaxpr(function, return_shape=True)([x[0] for x in parts])
+    one = core.jaxpr_as_fun(jaxpr)
+    out = [jnp.zeros((max(count, 2), *s.shape), s.dtype) for s in jax.tree.leaves(shape)]
+
+    def go_on(state):
+        number, out = state
+        found = one(*(jax.lax.dynamic_index_in_dim(x, number, keepdims=False) for x in parts))
+        put = jax.lax.dynamic_update_index_in_dim
+        return number + 1, [put(all_, x, number, 0) for all_, x in zip(out, found, strict=True)]
+
+    end = jax.lax.optimization_barrier(jnp.int32(count))
+    _, out = jax.lax.while_loop(lambda state: state[0] < end, go_on, (jnp.int32(0), out))
+    return jax.tree.unflatten(jax.tree.structure(shape), [x[:count] for x in out])
 
 
 def _vectorised(function, leaves, tree, axes):

@@ -23,7 +23,7 @@ from sims.worlds import World
 # Control steps of a block: 8 s. Shorter wastes less on worlds that are done, longer calls less often.
 _BLOCK = 400
 # Rows of a plan that a block can need: its own steps, and what a controller looks ahead.
-_WINDOW = _BLOCK + 40
+WINDOW = _BLOCK + 40
 # A world may take this much longer than planned, waiting for the base, before it is given up.
 _PATIENCE = 1.5
 # Feedback of the trajectory controller [1/s]: errors die away in half a second, a twenty-fifth of what the
@@ -168,13 +168,13 @@ def _window(plan: JointPlan | BrushPlan, clock: np.ndarray) -> JointPlan | Brush
     """The plan with only those rows that the next block can need: moving all of them costs more than the
     block, and plans of all lengths have one shape.
     """
-    rows, origin = _cut(np.asarray(plan.rows), np.asarray(plan.step), clock, _WINDOW)
+    rows, origin = _cut(np.asarray(plan.rows), np.asarray(plan.step), clock, WINDOW)
     plan = plan._replace(rows=rows, origin=origin)
     if isinstance(plan, JointPlan):
         return plan
     step = np.asarray(plan.station_step)
     ratio = float((np.asarray(plan.step) / step).max(initial=0.0))
-    count = math.ceil(round(_WINDOW * ratio, 3)) + 2
+    count = math.ceil(round(WINDOW * ratio, 3)) + 2
     stations, begin = _cut(np.asarray(plan.stations), step, clock, count)
     return plan._replace(stations=stations, station_origin=begin)
 

@@ -31,7 +31,7 @@ from sims.truth import Calibration
 from sims.truth import true_brush as brush_of
 
 # Records are padded to a multiple of this, so that few lengths are ever compiled.
-_ROWS = 512
+LOG_ROWS = 512
 
 
 class Truth(NamedTuple):
@@ -119,7 +119,7 @@ def lay(
     hand = None if colours == 1 or colour is None else np.asarray(colour, np.int32)
     length = driven.record.pen.shape[1]
     log, padded_hand = jax.tree.map(
-        lambda x: _padded(x, -(-length // _ROWS) * _ROWS), (log_of(driven, truth), hand)
+        lambda x: _padded(x, -(-length // LOG_ROWS) * LOG_ROWS), (log_of(driven, truth), hand)
     )
     window = window_cells(job.brush, float(grid.cell))
     layer = _Layer(job.scene.chart, job.brush, grid, job.dt * RECORD_EVERY, window, colours)

@@ -22,6 +22,8 @@ from sims.worlds import World, standing
 
 # Points of a world's merged cloud: a static budget.
 MAX_POINTS = 40_000
+# Plans are filled up to a multiple of so many rows, so that few sizes are ever compiled.
+PLAN_ROWS = 500
 # Starts of the inverse kinematics beside the last posture and the planned one: home and postures about it, as
 # one start alone can end in a local minimum.
 _STARTS = 6
@@ -110,8 +112,8 @@ def joint_plan(job: Job, trajectory, duration) -> JointPlan:
     return JointPlan(rows, step, 0 * step, np.asarray(duration))
 
 
-def steps_for(job: Job, duration, *, multiple: int = 500) -> int:
-    """Rows for the longest of the durations, rounded up so that few sizes are ever compiled."""
+def steps_for(job: Job, duration, *, multiple: int = PLAN_ROWS) -> int:
+    """Rows for the longest of the durations, rounded up."""
     longest = float(np.max(np.where(np.isfinite(duration), duration, 0.0)))
     return multiple * max(1, int(np.ceil((longest / float(job.dt) + 2) / multiple)))
 

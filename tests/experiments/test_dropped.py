@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from experiments.dropped import dropped_words, stroke_names
+from experiments.dropped import cause_counts, dropped_words, stroke_names
 from jaxpaint.mapping.mapped import Cause
 
 
@@ -11,7 +11,7 @@ def test_strokes_over_a_hole_are_named():
     status = np.zeros((3, 20), int)
     status[:, 7:13] = Cause.MISS  # the second and the third
     status[0, 0] = Cause.SHARP  # in one world of three: not the picture's fault
-    assert dropped_words(stroke, status) == [
+    assert dropped_words(stroke, cause_counts(status)) == [
         "left out, over a hole or the wall's rim: 6 of 20 points, in strokes 2-3"
     ]
 
@@ -19,13 +19,13 @@ def test_strokes_over_a_hole_are_named():
 def test_each_reason_has_a_line():
     stroke = np.arange(3)
     status = np.array([[Cause.HIT, Cause.STEEP, Cause.CLEARANCE]])
-    lines = dropped_words(stroke, status)
+    lines = dropped_words(stroke, cause_counts(status))
     assert ["too steep" in line for line in lines] == [True, False]
     assert lines[1].endswith("1 of 3 points, in stroke 3")
 
 
 def test_nothing_left_out_says_nothing():
-    assert dropped_words(np.zeros(4, int), np.zeros((2, 4), int)) == []
+    assert dropped_words(np.zeros(4, int), cause_counts(np.zeros((2, 4), int))) == []
 
 
 def test_many_strokes_are_counted_not_listed():

@@ -124,3 +124,8 @@ def test_an_option_may_have_several_values(words, export):
 def test_one_of_several_values_that_is_not_known_is_named(export):
     with pytest.raises(InputError, match=r"--export: found .*csv, json, each once"):
         _Several(export=export).check()
+
+
+def test_a_repeat_is_not_told_on_what_to_run():
+    options = PaintOptions(processes=2, memory_gb=3.0)
+    assert not {"processes", "memory_gb", "coordinator", "process"} & set(to_config(options))

@@ -65,7 +65,7 @@ def test_a_prepared_process_has_all_cores_and_keeps_compiled_programs(tmp_path):
     )  # fmt: skip
     assert found.returncode == 0, found.stderr
     devices, cores, folder = found.stdout.split()
-    assert devices == cores
+    assert int(devices) == max(2, int(cores)), "fewer would round differently"
     assert Path(folder).is_relative_to(tmp_path / "jaxpaint")
     assert list(Path(folder).iterdir()), "nothing was kept"
 

@@ -105,14 +105,13 @@ def test_a_world_that_broke_has_no_trajectory(task, mission):
 
 
 def test_a_world_of_a_later_group_is_found_and_a_lost_one_is_not_exported(task, mission, plan):
-    groups = [_part(mission, slice(0, 1)), _part(mission, slice(1, 4))]
-    found, why = planned(task.job, groups, 1)
+    later, index = _part(mission, slice(1, 4)), np.arange(1, 4)
+    found, why = planned(task.job, index, later, 1)
     assert why == ""
     assert found is not None
     np.testing.assert_array_equal(found.position, plan.position)
-    assert planned(task.job, groups, 4) == (None, "no trajectory exported: world 4 was not finished")
-    lost = groups[1]._replace(status=np.array([Status.OK, Status.UNREACHABLE, Status.OK]))
-    none, why = planned(task.job, [groups[0], lost], 2)
+    lost = later._replace(status=np.array([Status.OK, Status.UNREACHABLE, Status.OK]))
+    none, why = planned(task.job, index, lost, 2)
     assert none is None
     assert "world 2 is unreachable" in why
 
