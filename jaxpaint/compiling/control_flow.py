@@ -183,6 +183,7 @@ CONTROL_FLOW = {
             "custom_vjp_call",
             "remat",
             "checkpoint",
+            "remat2",
         ],
         _call,
     ),
