@@ -8,6 +8,8 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Int
 
+from opt.qp import SOLUTION
+
 State = TypeVar("State")
 
 
@@ -54,4 +56,5 @@ KEEP_ALL = Backward()
 
 def _again(function: Callable) -> Callable:
     # Inside of a scan nothing can be merged with the way there: no barriers are needed.
-    return jax.checkpoint(function, prevent_cse=False)
+    policy = jax.checkpoint_policies.save_only_these_names(SOLUTION)
+    return jax.checkpoint(function, prevent_cse=False, policy=policy)

@@ -64,6 +64,7 @@ _ELEMENTWISE = [
     "mul",
     "ne",
     "neg",
+    "name",
     "nextafter",
     "not",
     "or",

@@ -6,12 +6,16 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jax.ad_checkpoint import checkpoint_name
 from jaxtyping import Array, Bool, Float
 
 from opt.qp.interior_point import solve_path
 from opt.qp.iterate import Iterate, Start
 from opt.qp.problem import Duals, QPSolution, QPStatus, QuadraticProgram, Residuals, is_convex
 from opt.qp.sensitivity import change_of_solution
+
+SOLUTION = "solution of a quadratic program"
+"""What `jax.checkpoint` policies call the last iterate."""
 
 # Bounds nearer than this [unit of x] are moved apart for the iteration: it needs an inside.
 _LEAST_WIDTH = 1e-6
@@ -88,7 +92,8 @@ def _central(
     @solution.defjvp
     def _(primals, tangents):
         problem, start, smoothing = primals
-        point = solution(problem, start, smoothing)
+        # By its name a `jax.checkpoint` may keep it: to solve again costs more than all else of a step.
+        point = jax.tree.map(lambda x: checkpoint_name(x, SOLUTION), solution(problem, start, smoothing))
         change, d_smoothing = cast(Any, tangents[0]), tangents[2]
         # What is not finite gets no derivative, rather than one that is NaN.
         tame, base, change, d_smoothing = jax.tree.map(

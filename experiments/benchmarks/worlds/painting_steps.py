@@ -67,8 +67,7 @@ class PaintingSteps:
         self._all = np.arange(worlds, dtype=np.int32), np.zeros((worlds, 3), np.float32)
         self.move = batched(self._contacts, in_axes=(None, None, 0, 0), chunk=_CHUNK)
         self.lay = one_by_one(self._score, in_axes=(None, 0))
-        self.lay_back = one_by_one(self._score_and_slope, in_axes=(None, 0))
-        self.move_back = batched(self._pulled, in_axes=(None, None, 0, 0, 0), chunk=_CHUNK_BACK)
+        self.back = batched(self._value_and_slope, in_axes=(None, None, None, 0, 0), chunk=_CHUNK_BACK)
 
     def rate(self, worlds: int | None = None) -> float:
         """Control steps a second, paint included, of the first so many worlds."""
@@ -86,11 +85,9 @@ class PaintingSteps:
 
     def gradient(self) -> tuple[Float[np.ndarray, " worlds"], Float[np.ndarray, "worlds 3"]]:
         """The same, and its gradient to logarithms of gain, of the arm's effort and of pace."""
-        values, slopes = [], []
-        for part in groups(self._all, self.worlds):
-            value, slope = self.lay_back(self._grid, self._moved(*part))
-            values.append(np.asarray(value))
-            slopes.append(np.asarray(self.move_back(self._task, self._fidelity, *part, slope)))
+        common = self._task, self._fidelity, self._grid
+        found = [self.back(*common, *part) for part in groups(self._all, self.worlds)]
+        values, slopes = zip(*found, strict=True)
         return np.concatenate(values), np.concatenate(slopes)
 
     def _moved(self, index, parameters) -> Contact:
@@ -121,12 +118,11 @@ class PaintingSteps:
         ring = jnp.abs(jnp.sqrt((far**2).sum(-1) + 1e-12) - _RADIUS) < self._brush.radius
         return ((laid / self._brush.film - ring) ** 2).mean()
 
-    def _score_and_slope(self, grid: PaintGrid, contacts: Contact):
-        return jax.value_and_grad(lambda c: self._score(grid, c))(contacts)
+    def _value_and_slope(self, task: Task, fidelity: Fidelity, grid: PaintGrid, index, parameters):
+        def error(parameters):
+            return self._score(grid, self._contacts(task, fidelity, index, parameters))
 
-    def _pulled(self, task: Task, fidelity: Fidelity, index, parameters, slope: Contact):
-        _, back = jax.vjp(lambda p: self._contacts(task, fidelity, index, p), parameters)
-        return back(slope)[0]
+        return jax.value_and_grad(error)(parameters)
 
 
 def _canvas(height: float) -> tuple[PaintGrid, Brush]:
