@@ -48,7 +48,7 @@ def deposit(
     times faster than a loop of dynamic updates and 15 times faster than a scatter of cells. Let a device take
     one world at a time (`batched(..., chunk=1)`): its grid then stays in the cache, and updates in place.
     """
-    contacts = _drop_broken(contacts)
+    contacts = drop_broken(contacts)
     rows, columns = grid.shape
     high, wide = min(window, rows), min(window, columns)
     start, films = jax.vmap(lambda c: _window(applicator, grid, c, high, wide))(contacts)
@@ -70,7 +70,7 @@ def deposit(
     return Paint(thickness=flat.reshape(paint.thickness.shape), stray=stray)
 
 
-def _drop_broken(contacts: Contact) -> Contact:
+def drop_broken(contacts: Contact) -> Contact:
     """Replaces contacts with a non-finite field by ones that last no time."""
     leaves = [x.reshape(x.shape[0], -1) for x in jax.tree.leaves(contacts)]
     whole = jnp.isfinite(jnp.concatenate(leaves, axis=1)).all(1)

@@ -21,7 +21,7 @@ from sims.backward import Backward
 from sims.limits import robot_limits
 from sims.noise import noise_preset
 from sims.odometry import OdometryNoise, draw_slip
-from sims.paint import Brush, Contact, Paint, PaintGrid, contact, deposit, window_cells
+from sims.paint import Brush, Contact, Paint, PaintGrid, contact, deposit, film_at, window_cells
 from sims.robots import load_robot
 from sims.rollout import RECORD_EVERY, run_block, start
 from sims.scenes import flat
@@ -33,8 +33,8 @@ STEPS = RECORD_EVERY * _RECORDS
 _RADIUS, _SPEED = 0.1, 0.03
 # Each step is done again on the way back: what a step leaves for it would not fit the cache.
 _BACKWARD = Backward(keep="steps")
-# Cells of the paint [m].
-_CELL = 0.002
+# Cells of the paint [m], and points of a circle at which a gradient looks at it.
+_CELL, _POINTS = 0.002, 64
 # Worlds that a device takes at a time: as fit the cache, the way back with what it keeps of each step.
 _CHUNK, _CHUNK_BACK = 256, 64
 
@@ -67,7 +67,7 @@ class PaintingSteps:
         self._all = np.arange(worlds, dtype=np.int32), np.zeros((worlds, 3), np.float32)
         self.move = batched(self._contacts, in_axes=(None, None, 0, 0), chunk=_CHUNK)
         self.lay = one_by_one(self._score, in_axes=(None, 0))
-        self.back = batched(self._value_and_slope, in_axes=(None, None, None, 0, 0), chunk=_CHUNK_BACK)
+        self.back = batched(self._value_and_slope, in_axes=(None, None, 0, 0), chunk=_CHUNK_BACK)
 
     def rate(self, worlds: int | None = None) -> float:
         """Control steps a second, paint included, of the first so many worlds."""
@@ -84,8 +84,10 @@ class PaintingSteps:
         return np.concatenate([self.lay(self._grid, self._moved(*part)) for part in parts])
 
     def gradient(self) -> tuple[Float[np.ndarray, " worlds"], Float[np.ndarray, "worlds 3"]]:
-        """The same, and its gradient to logarithms of gain, of the arm's effort and of pace."""
-        common = self._task, self._fidelity, self._grid
+        """What the film is off by at points of the circle and beside it, and its gradient to logarithms of
+        gain, of the arm's effort and of pace.
+        """
+        common = self._task, self._fidelity
         found = [self.back(*common, *part) for part in groups(self._all, self.worlds)]
         values, slopes = zip(*found, strict=True)
         return np.concatenate(values), np.concatenate(slopes)
@@ -118,11 +120,20 @@ class PaintingSteps:
         ring = jnp.abs(jnp.sqrt((far**2).sum(-1) + 1e-12) - _RADIUS) < self._brush.radius
         return ((laid / self._brush.film - ring) ** 2).mean()
 
-    def _value_and_slope(self, task: Task, fidelity: Fidelity, grid: PaintGrid, index, parameters):
-        def error(parameters):
-            return self._score(grid, self._contacts(task, fidelity, index, parameters))
+    def _value_and_slope(self, task: Task, fidelity: Fidelity, index, parameters):
+        return jax.value_and_grad(lambda p: self._film_error(self._contacts(task, fidelity, index, p)))(
+            parameters
+        )
 
-        return jax.value_and_grad(error)(parameters)
+    def _film_error(self, contacts: Contact) -> Float[Array, ""]:
+        """What the film is off by on the circle, and on two beside it that should be bare."""
+        middle = jnp.asarray([0.0, self._height + _RADIUS])
+        angle = 2 * jnp.pi * jnp.arange(_POINTS) / _POINTS
+        around = jnp.stack([jnp.sin(angle), jnp.cos(angle)], axis=1)
+        radii = _RADIUS + jnp.asarray([0.0, -1.0, 1.0]) * 2 * self._brush.radius
+        points = (middle + radii[:, None, None] * around[None]).reshape(-1, 2)
+        wanted = jnp.repeat(jnp.asarray([1.0, 0.0, 0.0]), _POINTS)
+        return ((film_at(self._brush, contacts, points) / self._brush.film - wanted) ** 2).mean()
 
 
 def _canvas(height: float) -> tuple[PaintGrid, Brush]:
