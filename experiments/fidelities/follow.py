@@ -52,7 +52,7 @@ def _one(fidelity: Fidelity, robot: RobotLimits, noise, home, dt, told, steer, s
     def step(world, row):
         command = Command(row[0], row[1], jnp.zeros_like(home))
         world = fidelity.step(robot, noise, world, command, row[2], dt)
-        return world, Followed(world.base, world.odometry, world.tilt, world.steered)
+        return world, Followed(world.base, world.odometry, world.tilt, world.steered)  # pyright: ignore
 
     return jax.lax.scan(step, world, (told, steer, shocks))[1]
 

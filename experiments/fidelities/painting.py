@@ -23,7 +23,7 @@ def painted_minute(worlds: int, seed: int) -> dict[str, float]:
     rest = np.linalg.norm(record.base[..., :2] - record.odometry[..., :2], axis=-1)
     believed = np.linalg.norm(record.base[..., :2] - record.believed[..., :2], axis=-1)
     fidelity = cast(Wheeled, study.job.fidelity)
-    depth = tread_depths(fidelity.engine.rolling, record.tilt).min(axis=-1)
+    depth = tread_depths(fidelity.engine.rolling, np.asarray(record.tilt)).min(axis=-1)
     return {
         "simulated [s]": float(live.sum(axis=1).mean() * float(study.job.dt) * RECORD_EVERY),
         "worlds with a number that is not finite [1]": float(np.asarray(driven.diverged).sum()),

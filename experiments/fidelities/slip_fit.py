@@ -50,7 +50,9 @@ def moves_of(found: Followed) -> Moves:
     length = move_length()
     ends = np.arange(length - 1, found.base.shape[1], length)
     start = np.zeros_like(found.base[:, :1])
-    base, odometry = (np.concatenate([start, x[:, ends]], axis=1) for x in (found.base, found.odometry))
+    base, odometry = (
+        jnp.asarray(np.concatenate([start, x[:, ends]], axis=1)) for x in (found.base, found.odometry)
+    )
     each = jax.vmap(jax.vmap(displacement))
     error = np.asarray(each(base[:, :-1], base[:, 1:]) - each(odometry[:, :-1], odometry[:, 1:]))
     steps = np.linalg.norm(np.diff(found.odometry[..., :2], axis=1, prepend=start[..., :2]), axis=-1)

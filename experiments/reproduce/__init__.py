@@ -9,6 +9,7 @@ REPRODUCTIONS = {
     "mode-detection": "experiments.reproduce.mode_detection",
     "motion": "experiments.reproduce.motion",
     "fidelities": "experiments.reproduce.fidelities",
+    "gradients": "experiments.reproduce.gradients",
     "s1-table-1": "experiments.reproduce.s1_table_1",
     "s1-table-3": "experiments.reproduce.s1_table_3",
     "halting": "experiments.reproduce.halting",

@@ -72,6 +72,11 @@ class Batched:
         out = self._program(placed, tree, axes, per_device, mesh)(*placed)
         return out if padded == worlds else jax.tree.map(lambda x: _first(x, worlds, mesh), out)
 
+    def temporary_bytes(self) -> int:
+        """Memory beside inputs and outputs that the largest of the compiled programs takes on all devices."""
+        sizes = [p.memory_analysis().temp_size_in_bytes for p in self._programs.values()]  # type: ignore[attr-defined]
+        return max(sizes, default=0) * jax.local_device_count()
+
     def _leaf_axes(self, args) -> tuple[bool, ...]:
         return tuple(
             axis is not None or is_marked(leaf)

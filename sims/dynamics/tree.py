@@ -150,7 +150,8 @@ class Tree:
         slide = axis * jnp.where(self.hinge, 0, q)[:, None]
         R: list = [root[0]] + [None] * self.size
         p: list = [root[1]] + [None] * self.size
-        anchors, axes = [None] * self.size, [None] * self.size
+        anchors: list = [None] * self.size
+        axes: list = [None] * self.size
         for depth in range(1, max(self._depth) + 1):
             here = np.array([k for k in range(1, self.size + 1) if self._depth[k] == depth])
             j = here - 1
@@ -202,8 +203,8 @@ def moved(spatial: Float[Array, "n 10"], motion: Float[Array, "n 6"]) -> Float[A
     )
     return jnp.concatenate(
         [
-            own + cross(*jnp.broadcast_arrays(lever, slide)),
-            mass * slide - cross(*jnp.broadcast_arrays(lever, turn)),
+            own + cross(lever, slide),
+            mass * slide - cross(lever, turn),
         ],
         axis=1,
     )
@@ -230,7 +231,7 @@ def _force_cross(v, f):
     return jnp.concatenate([cross(turn, f[:, :3]) + cross(slide, f[:, 3:]), cross(turn, f[:, 3:])], axis=1)
 
 
-def _turns(axis: np.ndarray, angle: Float[Array, " n"]) -> Float[Array, "n 3 3"]:
+def _turns(axis: np.ndarray, angle: Float[Array, " n"]):
     """Rotations about fixed axes (Rodrigues)."""
     skew = np.zeros((len(axis), 3, 3), axis.dtype)
     for (i, j, k), sign in (((0, 1, 2), -1), ((0, 2, 1), 1), ((1, 2, 0), -1)):

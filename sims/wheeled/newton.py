@@ -106,8 +106,8 @@ def _back(contacts: Contacts, slope: Float[Array, "c 3"], wheel: tuple[int, ...]
 def _by_wheel(contacts: Contacts, change: Float[Array, "c 3 3"], wheel: tuple[int, ...]):
     """J' S J of each wheel. [w, 8, 8]"""
     J = contacts.jacobian
-    turned = sum(change[:, :, k, None] * J[:, None, k] for k in range(3))
-    each = sum(J[:, k, :, None] * turned[:, k, None, :] for k in range(3))
+    turned = (change[:, :, :, None] * J[:, None]).sum(2)
+    each = (J[:, :, :, None] * turned[:, :, None, :]).sum(1)
     return jnp.stack(
         [sum(each[c] for c in range(len(wheel)) if wheel[c] == k) for k in range(max(wheel) + 1)]
     )

@@ -138,7 +138,7 @@ class PaintingSteps:
 
 def _canvas(height: float) -> tuple[PaintGrid, Brush]:
     """A grid about the circle, whose lowest point is at this height."""
-    low, high = jnp.asarray([-0.15, height - 0.05]), jnp.asarray([0.15, height + 0.25])
+    low, high = np.array([-0.15, height - 0.05]), np.array([0.15, height + 0.25])
     return PaintGrid.covering(low, high, _CELL), Brush(radius=0.01, nominal_speed=_SPEED)
 
 
@@ -166,7 +166,14 @@ def _controller(task: Task, parameters: Float[Array, "3"]) -> WholeBodyControlle
     stations = Samples(task.base[None], step, 0 * step)
     speed, duration = jnp.asarray(_SPEED), jnp.asarray(10.0)
     return WholeBodyController(
-        task.robot, settings, thresholds, reference, stations, speed, scale[2], duration
+        robot=task.robot,
+        settings=settings,
+        thresholds=thresholds,
+        reference=reference,
+        stations=stations,
+        speed=speed,
+        pace=scale[2],
+        duration=duration,
     )
 
 

@@ -2,6 +2,7 @@
 
 import abc
 import copy
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -28,6 +29,9 @@ class PhysicsRollout(abc.ABC):
 
     chunk: worlds that a device takes at a time. Ours in float32, MuJoCo's in float64.
     """
+
+    physics: Any
+    engine: Any
 
     def __init__(self, worlds: int, steps: int, chunk: int) -> None:
         self.worlds, self.steps = worlds, steps

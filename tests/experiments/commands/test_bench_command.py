@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from experiments.benchmarks import BenchRow
+from experiments.benchmarks import Bench, BenchRow
 from experiments.cli import main
 from experiments.commands import bench
 
@@ -15,7 +15,8 @@ def elsewhere(monkeypatch, tmp_path):
 
 
 def test_rows_are_ratios(monkeypatch, tmp_path, capsys):
-    monkeypatch.setattr(bench, "BENCHMARKS", {"control": lambda: [BenchRow("qp-box", 600.0, 20.0, "daqp")]})
+    row = BenchRow("qp-box", 600.0, 20.0, "daqp")
+    monkeypatch.setattr(bench, "BENCHMARKS", {"control": lambda: Bench([row])})
     assert main(["bench", "--out", "here"]) == 0
     summary = json.loads((tmp_path / "here" / "summary.json").read_text())
     assert summary["rows"] == [
