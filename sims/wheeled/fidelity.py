@@ -14,7 +14,7 @@ from jaxpaint.steering import WheelMotion
 from opt.wbc import RobotLimits
 from sims.driver import Wheels, at_rest, drive
 from sims.dynamics.arm_servos import arm_holds, arm_reference, leashed
-from sims.odometry import moved, reported_speed
+from sims.odometry import displacement, moved, reported_speed
 from sims.wheeled.attitude import Placed, from_free_joint, to_free_joint
 from sims.wheeled.engine import Motion, WheeledEngine
 from sims.wheeled.floors import Floor
@@ -26,15 +26,16 @@ from sims.worlds import RIM_ACCELERATION, Fidelity, World
 # Physics steps in a control step of 20 ms.
 SUBSTEPS = 4
 # A base this high or low [m], or tilted so far [rad], stands on its wheels no more; one that is so many times
-# as fast as it may be told to go is not driven, nor is one that has slid so far from odometry [m].
-_TILTED, _FAST, _SLID = (0.3, 0.5, 0.5), 4.0, 1.0
+# as fast as it may be told to go is not driven; nor is one that slid so far [m] in about so long [s].
+_TILTED, _FAST, _SLID, _FORGOTTEN = (0.3, 0.5, 0.5), 4.0, 0.2, 5.0
 
 
 class Servos(NamedTuple):
     """What the physics knows beyond a `World`. speed: of the free joint (linear in the map, angular in the
     base) and of all others. acceleration: the last. told: where steering axes are told to be, and rims to
     roll. steering: true angles of the axes [rad]. ahead: by how much each axle was told to turn more than it
-    did [rad]. reference, reference_velocity: of the arm.
+    did [rad]. reference, reference_velocity: of the arm. slid: how far the base lately slid on its wheels
+    [m].
     """
 
     speed: Float[Array, " nv"]
@@ -44,6 +45,7 @@ class Servos(NamedTuple):
     ahead: Float[Array, " w"]
     reference: Float[Array, " a"]
     reference_velocity: Float[Array, " a"]
+    slid: Float[Array, ""]
 
 
 class _Goals(NamedTuple):
@@ -85,6 +87,7 @@ class Wheeled(Fidelity):
             ahead=jnp.zeros_like(angle),
             reference=world.arm,
             reference_velocity=jnp.zeros_like(world.arm),
+            slid=jnp.zeros_like(world.residual),
         )
         return dataclasses.replace(world, tilt=self.tilt.astype(world.base.dtype), servos=rest)
 
@@ -99,6 +102,8 @@ class Wheeled(Fidelity):
         steering, turned, arm = _parts(motion.q[7:], wheels)
         counted = Wheels(steering - world.slip.steering, turned * self._way(world) / dt, told.way)
         odometry, residual, swept = _counted(robot, noise, world, counted, dt)
+        rolled = _rolled(robot, world, steering, turned * self.rolling_radius / dt)
+        slid = displacement(world.base, placed.base) - rolled * dt
         servos = Servos(
             speed=motion.v,
             acceleration=motion.a,
@@ -107,6 +112,7 @@ class Wheeled(Fidelity):
             ahead=leashed(turned, goals.axle) - turned,
             reference=goals.arm,
             reference_velocity=goals.pace,
+            slid=s.slid * (1 - dt / _FORGOTTEN) + jnp.abs(slid[:2]).max(),
         )
         return dataclasses.replace(
             world,
@@ -122,14 +128,13 @@ class Wheeled(Fidelity):
         )
 
     def holds(self, robot: RobotLimits, world: World) -> Bool[Array, ""]:
-        """Whether the base stands on the floor, goes no faster than it ever could, and odometry still means
-        something: without friction wheels turn, and the base stays.
+        """Whether the base stands on the floor, goes no faster than it ever could, and goes where its wheels
+        roll: without friction they turn, and it stays.
         """
         s: Servos = world.servos
         upright = (jnp.abs(world.tilt) < jnp.asarray(_TILTED, world.tilt.dtype)).all()
         slow = (jnp.abs(s.speed[:3]) < _FAST * robot.base_speed.max()).all()
-        slid = jnp.abs(world.base[:2] - world.odometry[:2]).max()
-        return upright & slow & (slid < _SLID) & arm_holds(world.arm_velocity)
+        return upright & slow & (s.slid < _SLID) & arm_holds(world.arm_velocity)
 
     def _way(self, world: World) -> Float[Array, " w"]:
         """What encoders count for a turn of one radian [m]."""
@@ -170,6 +175,12 @@ def _counted(robot: RobotLimits, noise, world: World, after: Wheels, dt):
     read = WheelMotion(angle, reported_speed(noise, after.speed), turned / dt)
     twist, residual = robot.drive.odometry(read)
     return moved(world.odometry, twist * dt), residual, jnp.abs(turned).mean()
+
+
+def _rolled(robot: RobotLimits, world: World, steering: Float[Array, " w"], speed: Float[Array, " w"]):
+    """The twist of a base that does not slip, by what its wheels truly did. speed: of the rims [m/s]."""
+    angle = (world.servos.steering + steering) / 2
+    return robot.drive.odometry(WheelMotion(angle, speed, jnp.zeros_like(speed))).twist
 
 
 def _parts(joints: Float[Array, " n"], wheels: int) -> tuple[Array, Array, Array]:

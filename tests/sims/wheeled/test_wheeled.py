@@ -96,11 +96,7 @@ def test_what_breaks_is_seen_and_its_neighbours_are_as_they_were(bench, ridden, 
     fast = np.array(told)
     fast[0] *= 2.5  # far enough to be seen
     found = bench(fast, steer, physics=broken)
-    if name != "friction 0":
-        assert not found.holds[0].all()
-    else:
-        slid = found.odometry[0, -1, 0] - found.base[0, -1, 0]
-        assert slid > 0.9 * found.odometry[0, -1, 0] > 0.3
+    assert not found.holds[0].all() and found.holds[1:].all()
     for a, b in zip(found, ridden, strict=True):
         np.testing.assert_array_equal(a[1:], b[1:])
 
