@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from experiments.commands.paint_outcome import TRAJECTORIES
-from experiments.paint import _light, _trajectories, _unrecorded
+from experiments.paint import _unrecorded
 from experiments.recording import chosen, joined, recorded, shown
 from sims.painting.drive import Driven
 from sims.painting.lay import Laid, Truth
@@ -32,7 +32,7 @@ def mission(worlds: int, samples: int, first: int = 0, colour=None) -> Mission:
     three = np.repeat(number[..., None], 3, axis=-1)
     pen = np.broadcast_to(np.arange(samples) % 4 < 2, (worlds, samples)).astype(float)
     live = np.broadcast_to(np.arange(samples) < samples - 1, (worlds, samples))
-    record = Record(three, three[..., :1], three, three, three, pen, pen, number, live)
+    record = Record(three, three, three[..., :1], three, three, three, pen, pen, number, live)
     whole_body = np.arange(worlds) % 2 == 1
     return Mission(
         status=np.zeros(worlds, int),
@@ -91,20 +91,17 @@ def test_what_is_kept_holds_no_other_worlds(task):
     arrays = [x for x in jax.tree.leaves(group) if isinstance(x, np.ndarray)]
     for name, found in recorded(task, group, [1]).items():
         assert not any(np.shares_memory(found, x) for x in arrays), f"{name} would keep the whole group"
-    light = _light(group)
-    assert len(light.status) == 3
-    assert max(x.size for x in jax.tree.leaves((light.driven.record, light.truth, light.clouds))) == 0
 
 
 def test_by_default_the_median_the_worst_and_the_first(task):
     assert shown(ROWS) == [2, 0, 1]
-    found = _trajectories(task, mission(3, 9), ROWS, [], ())
+    found = recorded(task, mission(3, 9), shown(ROWS))
     assert found["world"].tolist() == [2, 0, 1]
 
 
 def test_worlds_that_were_not_finished_are_told(task):
     part = chosen(task, mission(3, 9), np.arange(3), (70, 1))
-    found = _trajectories(task, mission(3, 9), ROWS, part, (70, 1))
+    found = joined(part, (70, 1))
     assert found["world"].tolist() == [1]
     assert _unrecorded((70, 1), 3) == ["not recorded, as not finished: world 70"]
     assert _unrecorded((), 3) == []
