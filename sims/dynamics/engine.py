@@ -1,4 +1,7 @@
-"""MJX as a function from joints and servo commands to joints, with only the numbers that matter."""
+"""A planar model as a function from joints and servo commands to joints.
+
+What MuJoCo computes, in few operations: `mjx.Model` carries the parameters, `Tree` does what MJX would do.
+"""
 
 import jax
 import jax.numpy as jnp
@@ -25,7 +28,7 @@ _FIXED = (
 
 
 class Engine:
-    """A planar model in MJX, fixed when programs are compiled: its structure, and numbers that `Physics` has
+    """A planar model, fixed when programs are compiled: its structure, and numbers that `Physics` has
     not (frames, axes). Two engines of equal models are equal, so a program is not compiled twice.
     """
 
