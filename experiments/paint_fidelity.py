@@ -6,7 +6,7 @@ import numpy as np
 
 from experiments.commands.paint_options import PaintOptions
 from jaxpaint.mapping.canvas import Canvas
-from sims.limits import robot_limits
+from sims.painting.survey import axes_of, base_before, camera_arm
 from sims.robots import Robot, robot_model
 from sims.worlds import Fidelity, Kinematic
 
@@ -36,16 +36,8 @@ def _floor(options: PaintOptions, robot: Robot, canvas: Canvas):
 
     if options.floor == "flat":
         return Flat()
-    yaw, left = float(canvas.yaw), np.array([-math.sin(float(canvas.yaw)), math.cos(float(canvas.yaw))])
-    x, y = base_before(canvas, robot) + _ASIDE * left
+    yaw, (_, left) = float(canvas.yaw), axes_of(canvas)
+    x, y = base_before(canvas, camera_arm(robot)) + _ASIDE * left
     if options.floor == "bump":
         return Bump(center=(float(x), float(y)), yaw=yaw)
     return Ramp(start=(float(x), float(y)), yaw=yaw + math.pi / 2)
-
-
-def base_before(canvas: Canvas, robot: Robot) -> np.ndarray:
-    """Where the base stands before the middle of the canvas, (x, y) [m]."""
-    yaw = float(canvas.yaw)
-    ahead, left = np.array([math.cos(yaw), math.sin(yaw)]), np.array([-math.sin(yaw), math.cos(yaw)])
-    home = np.asarray(robot_limits(robot, clearance=False).home, float)
-    return np.asarray(canvas.center, float)[:2] - home[0] * ahead - home[1] * left

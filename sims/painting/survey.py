@@ -84,12 +84,22 @@ def echoes_before(
 
 def lidar_place(canvas: Canvas, arm: CameraArm, robot: Robot) -> Float[np.ndarray, "3"]:
     """Where the lidar is as it looks before the job, in the map frame [m]."""
-    yaw = float(canvas.yaw)
-    ahead, left = np.array([np.cos(yaw), np.sin(yaw)]), np.array([-np.sin(yaw), np.cos(yaw)])
-    home = np.asarray(arm.brush, float)
-    base = np.asarray(canvas.center, float)[:2] - home[0] * ahead - home[1] * left
+    ahead, left = axes_of(canvas)
     mount = np.asarray(robot.T_base_lidar.p, float)
-    return np.array([*(base + mount[0] * ahead + mount[1] * left), mount[2]])
+    return np.array([*(base_before(canvas, arm) + mount[0] * ahead + mount[1] * left), mount[2]])
+
+
+def base_before(canvas: Canvas, arm: CameraArm) -> Float[np.ndarray, "2"]:
+    """Where the base stands before the middle of the canvas, as far as it paints from (x, y) [m]."""
+    ahead, left = axes_of(canvas)
+    home = np.asarray(arm.brush, float)
+    return np.asarray(canvas.center, float)[:2] - home[0] * ahead - home[1] * left
+
+
+def axes_of(canvas: Canvas) -> tuple[Float[np.ndarray, "2"], Float[np.ndarray, "2"]]:
+    """Ahead, to the wall, and left of a base before the canvas, in the map frame."""
+    yaw = float(canvas.yaw)
+    return np.array([np.cos(yaw), np.sin(yaw)]), np.array([-np.sin(yaw), np.cos(yaw)])
 
 
 def sight_of(
