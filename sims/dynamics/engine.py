@@ -11,7 +11,7 @@ from jaxtyping import Array, Float
 
 from sims.dynamics.parameters import Physics
 from sims.dynamics.quiet import mjx
-from sims.dynamics.servos import floats_as, masses_of, servos
+from sims.dynamics.servos import masses_of, servos, with_links
 from sims.dynamics.tree import Tree
 
 # What makes a chain, besides its `Physics`.
@@ -71,22 +71,5 @@ class Engine:
 
     def with_physics(self, physics: Physics, timestep: Float[Array, ""]) -> mjx.Model:
         """The model with these parameters, in their dtype. timestep [s]."""
-        model = floats_as(self.model, timestep.dtype)
-        p, world = physics, jnp.zeros((1,), timestep.dtype)
-        mass = jnp.concatenate([world, p.mass])
-        arm = jnp.concatenate([jnp.zeros_like(p.velocity_gain[:3]), p.position_gain])
-        bias = jnp.stack([jnp.zeros_like(arm), -arm, -p.velocity_gain], axis=1)
-        rest = model.actuator_biasprm[:, 3:]
-        return model.tree_replace(
-            {
-                "body_mass": mass,
-                "body_ipos": jnp.concatenate([model.body_ipos[:1], p.center]),
-                "body_inertia": jnp.concatenate([model.body_inertia[:1], p.inertia]),
-                "dof_armature": p.armature,
-                "dof_damping": p.damping,
-                "actuator_biasprm": jnp.concatenate([bias, rest], axis=1),
-                "actuator_forcerange": jnp.stack([-p.force_limit, p.force_limit], axis=1),
-                "opt.gravity": p.gravity,
-                "opt.timestep": timestep,
-            }
-        )  # type: ignore[return-value]
+        base = jnp.zeros_like(physics.velocity_gain[:3])
+        return with_links(self.model, physics, jnp.concatenate([base, physics.position_gain]), timestep)

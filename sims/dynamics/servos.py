@@ -7,6 +7,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from sims.dynamics.parameters import Links
 from sims.dynamics.quiet import mjx
 from sims.dynamics.tree import Masses
 
@@ -37,6 +38,34 @@ def servos(
 def masses_of(model: mjx.Model) -> Masses:
     """Of all bodies but the world."""
     return Masses(model.body_mass[1:], model.body_ipos[1:], model.body_inertia[1:])
+
+
+def with_links(
+    model: mjx.Model,
+    links: Links,
+    position_gain: Float[Array, " joints"],
+    timestep: Float[Array, ""],
+) -> mjx.Model:
+    """The model with these links and servos, in their dtype. Degrees of freedom before the joints' are free.
+
+    position_gain: of every joint. timestep [s].
+    """
+    model, p = floats_as(model, timestep.dtype), links
+    world, free = jnp.zeros((1,), timestep.dtype), jnp.zeros((model.nv - len(position_gain),), timestep.dtype)
+    bias = jnp.stack([jnp.zeros_like(position_gain), -position_gain, -p.velocity_gain], axis=1)
+    return model.tree_replace(
+        {
+            "body_mass": jnp.concatenate([world, p.mass]),
+            "body_ipos": jnp.concatenate([model.body_ipos[:1], p.center]),
+            "body_inertia": jnp.concatenate([model.body_inertia[:1], p.inertia]),
+            "dof_armature": jnp.concatenate([free, p.armature]),
+            "dof_damping": jnp.concatenate([free, p.damping]),
+            "actuator_biasprm": jnp.concatenate([bias, model.actuator_biasprm[:, 3:]], axis=1),
+            "actuator_forcerange": jnp.stack([-p.force_limit, p.force_limit], axis=1),
+            "opt.gravity": p.gravity,
+            "opt.timestep": timestep,
+        }
+    )  # type: ignore[return-value]
 
 
 def floats_as(tree, dtype):

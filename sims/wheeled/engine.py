@@ -10,7 +10,7 @@ from jaxtyping import Array, Float
 
 from jaxpaint.kinematics.rotations import cross, rotation_from_quaternion
 from sims.dynamics.quiet import mjx
-from sims.dynamics.servos import floats_as, masses_of, servos
+from sims.dynamics.servos import floats_as, masses_of, servos, with_links
 from sims.dynamics.tree import Placed, Tree
 from sims.robots.model import matrix
 from sims.wheeled.attitude import integrated
@@ -147,27 +147,15 @@ class WheeledEngine:
 
     def with_physics(self, physics: WheeledPhysics, timestep: Float[Array, ""]) -> mjx.Model:
         """The model with these parameters, in their dtype. timestep [s]."""
-        model = floats_as(self.model, timestep.dtype)
-        p, world, free = physics, jnp.zeros((1,), timestep.dtype), jnp.zeros((6,), timestep.dtype)
-        mass = jnp.concatenate([world, p.mass])
-        bias = jnp.stack([jnp.zeros_like(p.velocity_gain), -p.position_gain, -p.velocity_gain], axis=1)
-        rest = model.actuator_biasprm[:, 3:]
+        p = physics
+        model = with_links(self.model, p, p.position_gain, timestep)
         zero, one = jnp.zeros_like(p.tyre), jnp.ones_like(p.tyre)
         pairs = jnp.ones((model.npair, 1), timestep.dtype)
         sliding = jnp.stack([p.friction, p.friction, zero, zero, zero])
         return model.tree_replace(
             {
-                "body_mass": mass,
-                "body_ipos": jnp.concatenate([model.body_ipos[:1], p.center]),
-                "body_inertia": jnp.concatenate([model.body_inertia[:1], p.inertia]),
-                "dof_armature": jnp.concatenate([free, p.armature]),
-                "dof_damping": jnp.concatenate([free, p.damping]),
-                "actuator_biasprm": jnp.concatenate([bias, rest], axis=1),
-                "actuator_forcerange": jnp.stack([-p.force_limit, p.force_limit], axis=1),
                 "pair_friction": pairs * sliding,
                 "pair_solref": pairs * jnp.stack([p.tyre, one]),
                 "pair_solreffriction": pairs * jnp.stack([zero, -p.grip]),
-                "opt.gravity": p.gravity,
-                "opt.timestep": timestep,
             }
         )  # type: ignore[return-value]

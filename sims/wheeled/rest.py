@@ -1,13 +1,13 @@
 """A robot at rest on its wheels: how it stands, and how far a turn of them takes it."""
 
-from copy import deepcopy
 from typing import NamedTuple
 
 import mujoco
 import numpy as np
 from jaxtyping import Float
 
-from sims.wheeled.parameters import FRICTION, GRIP, TYRE
+from sims.wheeled.in_c import with_contacts
+from sims.wheeled.parameters import FRICTION
 
 # Until all has come to rest [s], in steps of this [s].
 _SETTLING, _STEP = 2.0, 0.005
@@ -25,7 +25,7 @@ class Rest(NamedTuple):
 def at_rest(rolling: mujoco.MjModel, arm: Float[np.ndarray, " arm"]) -> Rest:
     """Where the robot of a `wheeled_model` comes to rest with its arm held like this, by MuJoCo in C."""
     model = with_contacts(rolling, friction=FRICTION)
-    model.opt.timestep, model.opt.iterations, model.opt.ls_iterations = _STEP, 100, 50
+    model.opt.timestep = _STEP
     data = mujoco.MjData(model)
     data.qpos[7 + model.nv - 6 - len(arm) :] = arm
     held = data.qpos[7:].copy()
@@ -56,14 +56,3 @@ def tread_depths(rolling: mujoco.MjModel, tilt: Float[np.ndarray, "*t 3"]) -> Fl
     floor = data.geom_xpos[rolling.pair_geom1[0], 2] - data.xpos[1, 2]
     rise = tilt[..., :1] + tilt[..., 1:2] * place[:, 1] - tilt[..., 2:] * place[:, 0]
     return floor + radius - place[:, 2] - rise
-
-
-def with_contacts(
-    rolling: mujoco.MjModel, *, friction: float, tyre: float = TYRE, grip: float = GRIP
-) -> mujoco.MjModel:
-    """A copy for MuJoCo in C, with the contact parameters of `WheeledPhysics`."""
-    model = deepcopy(rolling)
-    model.pair_friction[:] = [friction, friction, 0, 0, 0]
-    model.pair_solref[:] = [tyre, 1.0]
-    model.pair_solreffriction[:] = [0, -grip]
-    return model

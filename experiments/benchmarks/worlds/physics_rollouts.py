@@ -17,7 +17,7 @@ from jaxpaint.compiling import batched, on_devices
 from sims.dynamics import Engine, physics_of, planar_model
 from sims.robots import load_robot, robot_model
 from sims.wheeled import Motion, WheeledEngine, at_rest, wheeled_model, wheeled_physics
-from sims.wheeled.rest import with_contacts
+from sims.wheeled.in_c import in_c
 
 _STEP = 0.005
 # More worlds run in groups of as many, one program for all, as a painting run does.
@@ -121,20 +121,15 @@ class DynamicRollout(PhysicsRollout):
 
 
 class WheeledRollout(PhysicsRollout):
-    """The model of fidelity `wheeled`: contacts of four wheels. So that both solve the same, MuJoCo is told
-    the servos' damping as inertia, and steps by Euler.
-    """
+    """The model of fidelity `wheeled`: contacts of four wheels, and as many iterations for both."""
 
     def _model(self) -> mujoco.MjModel:
         home = np.asarray(load_robot().home, float)
         sunk = at_rest(wheeled_model(robot_model()), home)
         rolling = wheeled_model(robot_model(), height=-float(sunk.tilt[0]))
         self.physics, self.engine = wheeled_physics(rolling), WheeledEngine(rolling)
-        model = with_contacts(rolling, friction=float(self.physics.friction))
-        model.opt.timestep = _STEP
-        model.actuator_biasprm[:, 1] = -np.asarray(self.physics.position_gain)
-        damping = np.asarray(self.physics.velocity_gain) + np.asarray(self.physics.damping)
-        model.dof_armature[6:] += _STEP * damping
+        model, ours = in_c(rolling, self.physics, _STEP), rolling.opt
+        model.opt.iterations, model.opt.ls_iterations = ours.iterations, ours.ls_iterations
         return model
 
     def _told(self, rng):

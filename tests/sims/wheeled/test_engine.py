@@ -11,7 +11,7 @@ import pytest
 from jaxpaint.compiling import batched
 from sims.robots import load_robot, robot_model
 from sims.wheeled import Bump, Flat, Motion, Ramp, at_rest, wheeled, wheeled_model
-from sims.wheeled.rest import with_contacts
+from sims.wheeled.in_c import in_c
 
 STEP, STEPS, WORLDS = 0.005, 120, 2
 
@@ -31,16 +31,6 @@ def told(physics, home, weight):
     return ctrl
 
 
-def as_ours(rolling, physics):
-    """The model for MuJoCo in C: servos' damping acts like inertia for a step."""
-    model = with_contacts(rolling, friction=float(physics.friction))
-    model.opt.timestep, model.opt.iterations, model.opt.ls_iterations = STEP, 100, 50
-    model.actuator_biasprm[:, 1] = -np.asarray(physics.position_gain)
-    damping = np.asarray(physics.velocity_gain) + np.asarray(physics.damping)
-    model.dof_armature[6:] += STEP * damping
-    return model
-
-
 @pytest.mark.parametrize(
     "floor", [Flat(), Ramp(start=(0.4, 0.0), yaw=0.0), Bump(center=(0.62, 0.0), yaw=np.pi / 2)]
 )
@@ -51,7 +41,7 @@ def test_rolls_turns_and_slides_as_in_c(x64, floor):
     rolling = wheeled_model(robot_model(), floor, height=-sunk.tilt[0])
     fidelity = wheeled(robot_model(), home, floor=floor)
     physics = jax.tree.map(lambda x: jnp.asarray(x, float), fidelity.physics)
-    engine, model = fidelity.engine, as_ours(rolling, physics)
+    engine, model = fidelity.engine, in_c(rolling, physics, STEP)
     data = mujoco.MjData(model)
     data.qpos[15:] = home
     mujoco.mj_forward(model, data)
