@@ -20,7 +20,7 @@ from jaxpaint.compiling.small_matrices import written_out
 # These cost nothing to repeat, and a barrier would keep them from fusing.
 _FREE = {"broadcast_in_dim", "iota", "reshape", "squeeze", "expand_dims", "convert_element_type", "copy"}
 # Fused into a concatenation or a broadcast, these are evaluated anew for every element of it.
-_COSTLY = {"reduce_sum", "dot_general", "concatenate"}
+_COSTLY = {"reduce_sum", "dot_general", "concatenate", "stack", "sin", "cos", "atan2", "exp", "log", "tanh"}
 
 
 def batch_last(

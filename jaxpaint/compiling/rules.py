@@ -173,6 +173,18 @@ def _concatenate(equation: core.JaxprEqn, inputs: list[Value], worlds: int) -> l
     return [Value(lax.concatenate(arrays, equation.params["dimension"]), True)]
 
 
+def _stack(equation: core.JaxprEqn, inputs: list[Value], worlds: int) -> list[Value]:
+    shape, axis = equation.invars[0].aval.shape, equation.params["axis"]  # type: ignore[attr-defined]
+    arrays = [jnp.expand_dims(spread(v, shape, worlds), axis) for v in inputs]
+    return [Value(lax.concatenate(arrays, axis), True)]
+
+
+def _unstack(equation: core.JaxprEqn, inputs: list[Value], worlds: int) -> list[Value]:
+    array, axis = inputs[0].array, equation.params["axis"]
+    parts = [lax.index_in_dim(array, k, axis, keepdims=False) for k in range(array.shape[axis])]
+    return [Value(part, True) for part in parts]
+
+
 def _slice(equation: core.JaxprEqn, inputs: list[Value], worlds: int) -> list[Value]:
     p = equation.params
     strides = None if p["strides"] is None else (*p["strides"], 1)
@@ -218,6 +230,41 @@ def _dynamic_update_slice(equation: core.JaxprEqn, inputs: list[Value], worlds: 
     whole = spread(operand, equation.invars[0].aval.shape, worlds)  # type: ignore[attr-defined]
     part = spread(update, equation.invars[1].aval.shape, worlds)  # type: ignore[attr-defined]
     return [Value(lax.dynamic_update_slice(whole, part, [*(s.array for s in starts), zero]), True)]
+
+
+def _split(equation: core.JaxprEqn, inputs: list[Value], worlds: int) -> list[Value]:
+    array, axis = inputs[0].array, equation.params["axis"]
+    ends = np.cumsum(equation.params["sizes"])
+    begins = ends - equation.params["sizes"]
+    return [
+        Value(lax.slice_in_dim(array, int(a), int(b), axis=axis), True)
+        for a, b in zip(begins, ends, strict=True)
+    ]
+
+
+def _gather(equation: core.JaxprEqn, inputs: list[Value], worlds: int) -> list[Value]:
+    """The same places in all worlds: whole rows of worlds are taken."""
+    operand, indices = inputs
+    if indices.batched:
+        return fallback(equation, inputs, worlds)
+    numbers, rank = equation.params["dimension_numbers"], len(equation.outvars[0].aval.shape)  # type: ignore[attr-defined]
+    params = equation.params | {
+        "dimension_numbers": numbers._replace(offset_dims=(*numbers.offset_dims, rank)),
+        "slice_sizes": (*equation.params["slice_sizes"], worlds),
+    }
+    return [Value(equation.primitive.bind(operand.array, indices.array, **params), True)]
+
+
+def _scatter(equation: core.JaxprEqn, inputs: list[Value], worlds: int) -> list[Value]:
+    operand, indices, updates = inputs
+    if indices.batched:
+        return fallback(equation, inputs, worlds)
+    shapes = [atom.aval.shape for atom in equation.invars]  # type: ignore[attr-defined]
+    numbers = equation.params["dimension_numbers"]
+    window = (*numbers.update_window_dims, len(shapes[2]))
+    params = equation.params | {"dimension_numbers": numbers._replace(update_window_dims=window)}
+    whole, parts = spread(operand, shapes[0], worlds), spread(updates, shapes[2], worlds)
+    return [Value(equation.primitive.bind(whole, indices.array, parts, **params), True)]
 
 
 def _dot_general(equation: core.JaxprEqn, inputs: list[Value], worlds: int) -> list[Value]:
@@ -270,9 +317,14 @@ RULES: dict[str, Rule] = {
     "reshape": _reshape,
     "transpose": _transpose,
     "concatenate": _concatenate,
+    "stack": _stack,
+    "unstack": _unstack,
     "slice": _slice,
     "pad": _pad,
     "dynamic_slice": _dynamic_slice,
     "dynamic_update_slice": _dynamic_update_slice,
+    "split": _split,
+    "gather": _gather,
+    **dict.fromkeys(["scatter", "scatter-add"], _scatter),
     "dot_general": _dot_general,
 }

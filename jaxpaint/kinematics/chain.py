@@ -1,8 +1,10 @@
 """A serial chain of hinges and slides: where its frames are, and how they move."""
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 import numpy as np
+from jax.custom_derivatives import SymbolicZero
 from jaxtyping import Array, Float
 
 from jaxpaint.kinematics.pose import Pose
@@ -32,8 +34,55 @@ class KinematicChain(eqx.Module):
         return len(self.kinds)
 
 
+@jax.custom_jvp
 def frames(chain: KinematicChain, q: Float[Array, " joints"]) -> Pose:
     """T_map_i behind each joint, which acts on its z axis; stacked: p [joints, 3], R [joints, 3, 3]."""
+    return _composed(chain, q)
+
+
+def _change_of_frames(primals, tangents):
+    """Where joints alone move, frames move by sums over the joints before them: fewer operations, above all
+    on the way back, than the derivatives of all the products.
+    """
+    chain, q = primals
+    change, speed = (jax.tree.map(_filled, t, is_leaf=_is_zero) for t in tangents)
+    if not all(_is_zero(x) for x in jax.tree.leaves(tangents[0], is_leaf=_is_zero)):
+        return jax.jvp(_composed, primals, (change, speed))
+    links = frames(chain, q)
+    return links, _velocities(chain, links, speed)
+
+
+frames.defjvp(_change_of_frames, symbolic_zeros=True)
+
+
+def _is_zero(x) -> bool:
+    return isinstance(x, SymbolicZero)
+
+
+def _filled(x):
+    return jnp.zeros(x.shape, x.dtype) if _is_zero(x) else x
+
+
+def _velocities(chain: KinematicChain, links: Pose, speed: Float[Array, " joints"]) -> Pose:
+    """Of origins and axes of all frames, at these speeds of the joints."""
+    hinges, axis = _hinges(chain)[:, None], links.R[..., 2] * speed[:, None]
+    turning = _sums_from_base(jnp.where(hinges, axis, 0))
+    # Of the point of each link that is at the map's origin.
+    moving = _sums_from_base(jnp.where(hinges, cross(links.p, axis), axis))
+    columns = [cross(turning, links.R[..., k]) for k in range(3)]
+    return Pose(moving + cross(turning, links.p), jnp.stack(columns, axis=-1))
+
+
+def _sums_from_base(terms: Float[Array, "joints 3"]) -> Float[Array, "joints 3"]:
+    """Row k: the sum of rows 0 to k, by doubling."""
+    reach, size = 1, terms.shape[0]
+    while reach < size:
+        terms = terms + jnp.concatenate([jnp.zeros_like(terms[:reach]), terms[:-reach]])
+        reach *= 2
+    return terms
+
+
+def _composed(chain: KinematicChain, q: Float[Array, " joints"]) -> Pose:
     R, p = _joint_transforms(chain, q)
     p_map, R_map = [p[0]], [R[0]]
     for i in range(1, chain.size):

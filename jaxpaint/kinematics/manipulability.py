@@ -4,7 +4,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from jaxpaint.kinematics.rotations import cross
-from jaxpaint.kinematics.small_solve import gram, solve_spd
+from jaxpaint.kinematics.small_solve import gram, inverse_spd, product
 
 
 def manipulability(J: Float[Array, "6 joints"], damping: float | Float[Array, ""] = 1e-6) -> Float[Array, ""]:
@@ -23,11 +23,8 @@ def manipulability_gradient(
 
     damping: > 0 keeps the gradient bounded at singular postures.
     """
-    A = gram(J) + damping * jnp.eye(6, dtype=J.dtype)
-    solved, pivots = solve_spd(A, J)
-    m = jnp.prod(
-        jnp.sqrt(pivots)
-    )  # the root of each: their product would underflow where the arm is singular
+    inverse, m = inverse_spd(gram(J) + damping * jnp.eye(6, dtype=J.dtype))
+    solved = product(inverse, J)
     v, w, b, c = J[:3], J[3:], solved[:3], solved[3:]
     outward = _sums_to_tip(cross(v, b, axis=0) + cross(w, c, axis=0))
     inward = _sums_to_tip(cross(b, w, axis=0))

@@ -3,19 +3,43 @@
 LAPACK takes one world at a time; these few vector operations take all of them.
 """
 
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 
-def gram(J: Float[Array, "rows columns"]) -> Float[Array, "rows rows"]:
-    """J J^T as a sum of outer products.
+def product(A: Float[Array, "n k"], B: Float[Array, "k m"]) -> Float[Array, "n m"]:
+    """A B as a sum of outer products.
 
     A reduction would be evaluated again in every consumer (measured: three times slower in all).
     """
-    total = J[:, None, 0] * J[None, :, 0]
-    for k in range(1, J.shape[1]):
-        total = total + J[:, None, k] * J[None, :, k]
+    total = A[:, :1] * B[:1]
+    for k in range(1, A.shape[1]):
+        total = total + A[:, k : k + 1] * B[k : k + 1]
     return total
+
+
+def gram(J: Float[Array, "rows columns"]) -> Float[Array, "rows rows"]:
+    """J J^T."""
+    return product(J, J.T)
+
+
+@jax.custom_jvp
+def inverse_spd(A: Float[Array, "n n"]) -> tuple[Float[Array, "n n"], Float[Array, ""]]:
+    """A^-1 and the root of det A, of a symmetric positive definite A; see `solve_spd`.
+
+    Its derivatives are products of the inverse, fewer than an elimination's own.
+    """
+    inverse, pivots = solve_spd(A, jnp.eye(A.shape[0], dtype=A.dtype))
+    # The root of each: their product would underflow where A is nearly singular.
+    return inverse, jnp.prod(jnp.sqrt(pivots))
+
+
+@inverse_spd.defjvp
+def _(primals, tangents):
+    inverse, root = inverse_spd(*primals)
+    (change,) = tangents
+    return (inverse, root), (-product(product(inverse, change), inverse), root / 2 * (inverse * change).sum())
 
 
 def solve_spd(
@@ -28,7 +52,8 @@ def solve_spd(
     that matters.
     """
     n = A.shape[0]
-    floor = n * jnp.finfo(A.dtype).eps * jnp.max(jnp.abs(A)) + jnp.finfo(A.dtype).tiny
+    # No entry is larger than the diagonal's largest.
+    floor = n * jnp.finfo(A.dtype).eps * jnp.diagonal(A).max() + jnp.finfo(A.dtype).tiny
     rest = jnp.concatenate([A, B], axis=1)
     rows, pivots = [], []
     for k in range(n):  # rest is what is left of [A | B], without the rows and columns that are done

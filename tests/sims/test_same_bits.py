@@ -92,19 +92,19 @@ def differing(one: list[np.ndarray], other: list[np.ndarray]) -> dict[int, float
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["kinematic", "dynamic"])
 def test_neither_chunk_nor_devices_nor_worlds_change_a_bit(kind, tmp_path):
-    some = rollouts(kind, 2, 20, [8, 32], tmp_path / "two.npz")
-    others = rollouts(kind, 3, 5, [8, 32], tmp_path / "three.npz")
-    spread = [np.ptp(leaf, axis=0).max() for leaf in some[8] if leaf.dtype == np.float32]
+    some = rollouts(kind, 2, 20, [16, 32], tmp_path / "two.npz")
+    others = rollouts(kind, 3, 5, [16, 32], tmp_path / "three.npz")
+    spread = [np.ptp(leaf, axis=0).max() for leaf in some[16] if leaf.dtype == np.float32]
     assert max(spread) > 1e-3, "worlds differ"
     for found in (*some.values(), *others.values()):
-        assert differing(some[8], found) == {}
+        assert differing(some[16], found) == {}
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["kinematic", "dynamic"])
 def test_one_device_is_the_same_but_for_rounding(kind, tmp_path):
     """Its programs are not partitioned. The program gives every process two."""
-    alone = rollouts(kind, 1, 20, [8, 32], tmp_path / "one.npz")
-    beside = rollouts(kind, 2, 5, [8], tmp_path / "two.npz")
-    assert differing(alone[8], alone[32]) == {}
-    assert max(differing(alone[8], beside[8]).values(), default=0.0) < 1e-6
+    alone = rollouts(kind, 1, 20, [16, 32], tmp_path / "one.npz")
+    beside = rollouts(kind, 2, 5, [16], tmp_path / "two.npz")
+    assert differing(alone[16], alone[32]) == {}
+    assert max(differing(alone[16], beside[16]).values(), default=0.0) < 1e-6

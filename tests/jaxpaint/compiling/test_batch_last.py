@@ -1,15 +1,18 @@
 """Batch-last evaluation is vmap, and its barriers hold in the compiled program."""
 
+import importlib
+
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxpaint.compiling import batch_last, batched, one_by_one
+from jaxpaint.compiling import batch_last, batched, one_by_one, rules
 from jaxpaint.compiling.batched import CPU_OPTIONS
 from jaxpaint.compiling.rules import Value
 
 WORLDS = 11
+batch_last_module = importlib.import_module("jaxpaint.compiling.batch_last")
 
 
 def everything(x, y, scale):
@@ -36,6 +39,15 @@ def everything(x, y, scale):
         "pad": jnp.pad(x, (1, 2)),
         "constant": jnp.zeros(2),
         "cumsum": jnp.cumsum(x)[::-1],
+        "stack": jnp.stack([x, 2 * y, jnp.ones(3)], axis=1),
+        "unstack": jnp.unstack(A, axis=1),
+        "split": jnp.split(A, [1], axis=1),
+        "places": A[np.array([2, 0]), :],
+        "places inside": A[:, np.array([2, 0])],
+        "element": A[np.array([1]), np.array([2])],
+        "set": A.at[np.array([2, 0])].set(y[:2, None]),
+        "add": A.at[:, np.array([1, 1])].add(x[:, None]),
+        "extreme": jnp.abs(A).max(),
     }
 
 
@@ -64,6 +76,26 @@ def test_loops_in_blocks_equal_vmap(function):
     ours = batched(function, in_axes=(0, 0, None), chunk=8, block=2)(*args)
     reference = jax.vmap(function, in_axes=(0, 0, None))(*args)
     jax.tree.map(lambda a, b: np.testing.assert_allclose(a, b, rtol=2e-6, atol=1e-6), ours, reference)
+
+
+def places(x, y, scale):
+    """Operations that the worlds need not be moved for."""
+    found = everything(x, y, scale)
+    return {k: found[k] for k in ("stack", "unstack", "split", "places", "places inside", "set", "add")}
+
+
+def places_gradient(x, y, scale):
+    return jax.grad(lambda x: sum(jnp.sum(leaf) for leaf in jax.tree.leaves(places(x, y, scale))))(x)
+
+
+@pytest.mark.parametrize("function", [places, places_gradient])
+def test_worlds_stay_last(function, monkeypatch):
+    """JAX's own batching rules move them to the front and back, and take whole programs apart."""
+    moved = []
+    monkeypatch.setattr(rules, "fallback", lambda equation, *_: moved.append(equation.primitive.name))
+    monkeypatch.setattr(batch_last_module, "fallback", rules.fallback)
+    batched(function, in_axes=(0, 0, None), chunk=8)(*inputs())
+    assert moved == []
 
 
 def test_blocks_divide_a_chunk():

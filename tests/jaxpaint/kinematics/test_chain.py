@@ -89,6 +89,27 @@ def test_jacobian_is_the_derivative_of_the_pose(chain, q):
         np.testing.assert_allclose(J[3:, i], [skew[2, 1], skew[0, 2], skew[1, 0]], atol=1e-12)
 
 
+@pytest.mark.parametrize("moving", ["joints", "chain", "both"])
+def test_frames_change_as_differences_say(chain, q, moving):
+    """There and on the way back: by rules of their own where joints alone move."""
+    rng = np.random.default_rng(3)
+    along = jax.tree.map(lambda x: jnp.asarray(rng.normal(size=x.shape)), (chain, q))
+    parts = {"joints": (False, True), "chain": (True, False), "both": (True, True)}[moving]
+    weight = jax.tree.map(lambda x: jnp.asarray(rng.normal(size=x.shape)), frames(chain, q))
+
+    def total(length):
+        at = jax.tree.map(lambda x, d: x + length * d, (chain, q), along)
+        links = frames(*(a if p else b for a, b, p in zip(at, (chain, q), parts, strict=True)))
+        return sum(
+            (a * b).sum() for a, b in zip(jax.tree.leaves(links), jax.tree.leaves(weight), strict=True)
+        )
+
+    value = jax.jit(total)
+    numeric = (value(1e-6) - value(-1e-6)) / 2e-6
+    forwards, back = jax.jit(jax.jacfwd(total))(0.0), jax.jit(jax.grad(total))(0.0)
+    np.testing.assert_allclose([forwards, back], float(numeric), rtol=1e-8)
+
+
 def test_the_jacobian_can_be_differentiated(chain, q):
     """In reverse, as a rollout does, against central differences."""
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from jaxpaint.kinematics import jacobian, manipulability, manipulability_gradient, solve_spd
+from jaxpaint.kinematics.small_solve import inverse_spd
 from sims.robots import load_robot
 
 
@@ -17,6 +18,22 @@ def test_small_systems(n, x64, strict_ranks):
     X, pivots = jax.jit(solve_spd)(jnp.asarray(A), jnp.asarray(B))
     np.testing.assert_allclose(A @ np.asarray(X), B, atol=1e-10)
     assert float(np.prod(pivots)) == pytest.approx(np.linalg.det(A), rel=1e-10)
+
+
+def test_an_inverse_and_its_root_change_as_differences_say(x64, strict_ranks):
+    rng = np.random.default_rng(1)
+    root, change, weight = rng.normal(size=(3, 5, 5))
+    A, change = jnp.asarray(root @ root.T + np.eye(5)), jnp.asarray(change + change.T)
+
+    def total(length):
+        inverse, root = inverse_spd(A + length * change)
+        return (inverse * weight).sum() + root
+
+    value = jax.jit(total)
+    np.testing.assert_allclose(inverse_spd(A)[0] @ A, np.eye(5), atol=1e-12)
+    assert float(inverse_spd(A)[1]) == pytest.approx(np.sqrt(np.linalg.det(A)))
+    numeric = float(value(1e-6) - value(-1e-6)) / 2e-6
+    assert float(jax.jit(jax.grad(total))(0.0)) == pytest.approx(numeric, rel=1e-7)
 
 
 def test_a_singular_system_is_finite_and_so_is_its_gradient():
