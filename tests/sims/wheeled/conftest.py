@@ -31,35 +31,39 @@ class Ridden(NamedTuple):
 
 
 class Bench:
-    """Bases that are told twists, `STEPS` control steps in each of many worlds."""
+    """Robots that are told twists and joint speeds, `STEPS` control steps in each of many worlds."""
 
     def __init__(self):
         self.robot = load_robot()
         self.limits = robot_limits(self.robot, clearance=False)
         self.fidelity = wheeled(robot_model(), np.asarray(self.robot.home, float))
-        self.run = batched(self._one, in_axes=(None, 0, 0, 0, 0), chunk=4)
+        self.run = batched(self._one, in_axes=(None, 0, 0, 0, 0, 0), chunk=4)
 
-    def _one(self, limits, physics, slip, told, steer):
+    def _one(self, limits, physics, slip, told, steer, arm):
         fidelity = eqx.tree_at(lambda f: f.physics, self.fidelity, physics)
         noise, home = noise_preset("none").odometry, self.robot.home
         world = fidelity.begin(standing(jnp.zeros(3), home, slip, 4))
 
         def step(world, row):
-            command = Command(row[0], row[1], jnp.zeros_like(home))
+            command = Command(*row)
             world = fidelity.step(limits, noise, world, command, jnp.zeros(3), jnp.asarray(DT))
             holds = fidelity.holds(limits, world)
             return world, Ridden(world.base, world.odometry, world.tilt, world.arm, holds)
 
-        return jax.lax.scan(step, world, (told, steer))[1]
+        return jax.lax.scan(step, world, (told, steer, arm))[1]
 
-    def __call__(self, told, steer=None, *, physics=None, steering=0.0, radius=0.0):
-        """told, steer: [worlds, STEPS, 3], in the base's frame. physics: one a world, or one for all."""
+    def __call__(self, told, steer=None, arm=None, *, physics=None, steering=0.0, radius=0.0):
+        """told, steer: [worlds, STEPS, 3], in the base's frame. arm: [worlds, STEPS, joints], at rest where
+        it is not given. physics: one a world, or one for all.
+        """
         count, one = len(told), jnp.ones((len(told), 4))
         physics = self.fidelity.physics if physics is None else physics
         if physics.mass.ndim == 1:
             physics = jax.tree.map(lambda x: jnp.broadcast_to(x, (count, *x.shape)), physics)
         slip = Slip(steering * one, radius * one)
-        rows = (jnp.asarray(x, jnp.float32) for x in (told, told if steer is None else steer))
+        still = np.zeros((count, STEPS, len(self.robot.home)))
+        rows = (told, told if steer is None else steer, still if arm is None else arm)
+        rows = (jnp.asarray(x, jnp.float32) for x in rows)
         return jax.tree.map(np.asarray, self.run(self.limits, physics, slip, *rows))
 
 

@@ -6,7 +6,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from tests.sims.wheeled.conftest import DT, constant
+from tests.sims.wheeled.conftest import DT, STEPS, constant
 
 TWISTS = [(0.2, 0.0, 0.0), (0.1, 0.15, 0.0), (0.15, 0.0, 0.3), (0.0, 0.0, 0.5)]
 
@@ -73,6 +73,27 @@ def test_a_sloping_floor_does_not_carry_it_away(bench):
     leaning = eqx.tree_at(lambda p: p.gravity, bench.fidelity.physics, jnp.asarray([0.3, 0.2, -9.8]))
     found = bench(*constant((0.0, 0.0, 0.0), (0.1, 0.0, 0.0)), physics=leaning)
     assert np.abs(found.base[0, -1, :2]).max() < 3e-3 and found.holds.all()
+
+
+@pytest.mark.parametrize("friction", [0.3, 1.0])
+def test_no_command_within_limits_is_too_much(bench, friction):
+    """Base and arm at their fastest, one way and the other, by chance: what a controller never asks for."""
+    rng, worlds, limits = np.random.default_rng(0), 8, bench.limits
+
+    def by_chance(most):
+        """As long as each lasts, 0.1 to 0.5 s, at its largest either way."""
+        sign = rng.choice([-1.0, 1.0], (worlds, STEPS, len(most)))
+        at = np.cumsum(rng.random((worlds, STEPS)) < DT / rng.uniform(0.1, 0.5, (worlds, 1)), axis=1)
+        return np.take_along_axis(sign, at[..., None], axis=1) * np.asarray(most)
+
+    told, arm = by_chance(limits.base_speed), by_chance(limits.arm_speed)
+    physics = eqx.tree_at(lambda p: p.friction, bench.fidelity.physics, jnp.asarray(friction))
+    found = bench(told, told, arm, physics=physics)
+    assert all(np.isfinite(x).all() for x in found)
+    assert np.abs(np.diff(found.base[..., :2], axis=1)).max() < 1.5 * float(limits.base_speed[0]) * DT
+    assert np.abs(found.tilt[..., 0]).max() < 0.05 and np.abs(found.tilt[..., 1:]).max() < 0.1
+    # The file has no end stops: an arm that is told to run into its limits runs past them, and comes back.
+    assert np.abs(np.diff(found.arm, axis=1)).max() < 1.5 * float(limits.arm_speed.max()) * DT
 
 
 def _stiff(physics):
