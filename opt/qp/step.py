@@ -41,16 +41,16 @@ def step(task: Task, goal: Goal, point: Iterate) -> Iterate:
     """The iterate one step further."""
     count = point.gap.size + point.gap_rows.shape[0]
     local = _local(task, goal, point)
-    mean = _total(point.gap * point.dual, point.gap_rows * point.dual_rows) / count
+    mean = _total(point) / count
     guess = _direction(local, point, None)
     length = jnp.minimum(_longest(local, point, guess), 1.0)
-    bent, bent_rows = guess.gap * guess.dual, guess.gap_rows * guess.dual_rows
     # A direction towards products of zero leaves of them, after this length:
-    ahead = (1 - length) * mean + length * length * _total(bent, bent_rows) / count
+    ahead = (1 - length) * mean + length * length * _total(guess) / count
     target = jnp.maximum(mean * (ahead / mean) ** 3, goal.target)
     # The predictor's curvature, as far as the predictor could go: whole, it jams one case in thousands. On
     # the central path itself it is no error.
     bend = jnp.maximum(1 - goal.target / mean, 0.0) * length
+    bent, bent_rows = guess.gap * guess.dual, guess.gap_rows * guess.dual_rows
     final = _direction(local, point, (target - bend * bent, target - bend * bent_rows))
     length = jnp.minimum(_TO_BOUND * _longest(local, point, final), 1.0)
     return with_residuals(task, goal, _advance(point, final, length))
@@ -74,34 +74,37 @@ def _local(task: Task, goal: Goal, point: Iterate) -> Local:
 def _direction(local: Local, point: Iterate, targets: tuple[Array, Array] | None) -> Direction:
     """Newton direction when the products gap * multiplier are to become the targets; None stands for 0."""
     side, m = sides(point.x), point.dual_task.shape[0]
-    change, change_rows = -point.dual, -point.gap_rows
+    # What is to go of multipliers, and of the rows' distances, while x stands still.
+    excess, excess_rows = point.dual, point.gap_rows
     if targets is not None:
-        change, change_rows = targets[0] * local.near + change, targets[1] * local.near_rows + change_rows
-    gradient = point.stationarity + (change[0] - change[1])
+        excess, excess_rows = excess - targets[0] * local.near, excess_rows - targets[1] * local.near_rows
+    gradient = point.stationarity - (excess[0] - excess[1])
     misses = point.misses
-    if change_rows.shape[0]:
-        misses = misses + jnp.concatenate([jnp.zeros_like(point.dual_task), change_rows])
+    if excess_rows.shape[0]:
+        misses = misses - jnp.concatenate([jnp.zeros_like(point.dual_task), excess_rows])
     dx, dual = local.system.solve(-gradient, -misses)
     gap = side * dx
     return Direction(
         dx,
         gap,
-        change - local.ratio * gap,
+        -(excess + local.ratio * gap),
         dual[:m],
-        change_rows - local.ratio_rows * dual[m:],
+        -(excess_rows + local.ratio_rows * dual[m:]),
         dual[m:],
     )
 
 
-def _total(bounds: Float[Array, "2 n"], rows: Float[Array, "k"]) -> Float[Array, ""]:
-    total = (bounds[0] + bounds[1]).sum()
-    return total + rows.sum() if rows.shape[0] else total
+def _total(at: Iterate | Direction) -> Float[Array, ""]:
+    """The sum of all products of distance and multiplier."""
+    # Side by side: an array of them would be written and read again.
+    total = (at.gap[0] * at.dual[0] + at.gap[1] * at.dual[1]).sum()
+    return total + (at.gap_rows * at.dual_rows).sum() if at.gap_rows.shape[0] else total
 
 
 def _longest(local: Local, point: Iterate, d: Direction) -> Float[Array, ""]:
     """The step at which the first gap or multiplier would reach zero; at most 1000."""
-    each = jnp.maximum(-d.gap * local.near, -d.dual / point.dual)
-    fastest = jnp.maximum(jnp.maximum(each[0], each[1]).max(), 1e-3)
+    upper, lower = (jnp.maximum(-d.gap[k] * local.near[k], -d.dual[k] / point.dual[k]) for k in range(2))
+    fastest = jnp.maximum(jnp.maximum(upper, lower).max(), 1e-3)
     if d.gap_rows.shape[0]:
         rows = jnp.maximum(-d.gap_rows / point.gap_rows, -d.dual_rows * local.near_rows)
         fastest = jnp.maximum(fastest, rows.max())
