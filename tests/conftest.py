@@ -1,5 +1,6 @@
 """What all tests share: two host devices, 64-bit and strict-rank modes, the data beside the repository."""
 
+import gc
 import signal
 from collections.abc import Iterator
 from pathlib import Path
@@ -8,7 +9,10 @@ import hypothesis
 import jax
 import pytest
 
+from jaxpaint.compiling import Batched
+
 ROOT = Path(__file__).resolve().parents[1]
+MAPPINGS = Path("/proc/self/maps")
 
 # Two host devices on any machine, so that splitting worlds over devices is exercised. It must come before the
 # first array is made, so it stands here and not in a fixture.
@@ -29,6 +33,23 @@ hypothesis.settings.register_profile(
     suppress_health_check=[hypothesis.HealthCheck.too_slow, hypothesis.HealthCheck.function_scoped_fixture],
 )
 hypothesis.settings.load_profile("house")
+
+
+# A compiled program takes up to two thousand mappings of memory; Linux gives a process 65,530, and beyond
+# them LLVM crashes.
+_MOST_MAPPINGS = 25_000
+
+
+@pytest.fixture(autouse=True, scope="module")
+def room_for_programs() -> Iterator[None]:
+    """Forgets all compiled programs after a module where there are too many."""
+    yield
+    if MAPPINGS.exists() and MAPPINGS.read_bytes().count(b"\n") > _MOST_MAPPINGS:
+        for held in gc.get_objects():
+            if isinstance(held, Batched):
+                held.forget()
+        jax.clear_caches()
+        gc.collect()
 
 
 @pytest.fixture(scope="session")

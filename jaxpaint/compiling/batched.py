@@ -85,6 +85,10 @@ class Batched:
             for _ in jax.tree.leaves(leaf)
         )
 
+    def forget(self) -> None:
+        """Lets go of the compiled programs, and of the memory that they take; the next call compiles anew."""
+        self._programs.clear()
+
     def _program(self, flat, tree, axes, per_device, mesh) -> Callable:
         key = (tree, axes, tuple((x.shape, x.dtype) for x in flat), jax.config.read("jax_enable_x64"))
         if key not in self._programs:
