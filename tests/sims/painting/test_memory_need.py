@@ -44,6 +44,7 @@ def test_how_long_a_plan_takes_is_known_before(task, mission):
 
 def test_what_a_world_of_a_group_takes(task, mission, need):
     """Of a mission whose programs are there: the most of what Python and the devices hold at a time."""
+    run_mission(task.job, task.grid, np.arange(WORLDS))  # Tests before may have let go of its programs.
     live = [sum(array.nbytes for array in jax.live_arrays())]
 
     def look(share=1.0):
