@@ -1,9 +1,9 @@
-"""Evaluates a one-world program with the worlds as the last axis and barriers on every shared value.
+"""Evaluates a one-world program with the worlds as the last axis and barriers on shared values.
 
 Two reasons, both measured on CPUs; docs/compiling.md says more. XLA's fusion re-computes a value in each of
 its consumers, which grows exponentially along kinematic chains and factorisations: an optimisation barrier on
-every value that is read more than once stops that. And a loop over worlds vectorises only if neighbours in
-memory are worlds, while `jax.vmap` moves the worlds to the front.
+what several of them read, unless it is made again in no time, stops that. And a loop over worlds vectorises
+only if neighbours in memory are worlds, while `jax.vmap` moves the worlds to the front.
 """
 
 from collections import Counter
@@ -14,13 +14,9 @@ import jax
 from jax.extend import core
 
 from jaxpaint.compiling.control_flow import CONTROL_FLOW, in_blocks
+from jaxpaint.compiling.effort import is_kept, weighed
 from jaxpaint.compiling.rules import RULES, Value, fallback
 from jaxpaint.compiling.small_matrices import written_out
-
-# These cost nothing to repeat, and a barrier would keep them from fusing.
-_FREE = {"broadcast_in_dim", "iota", "reshape", "squeeze", "expand_dims", "convert_element_type", "copy"}
-# Fused into a concatenation or a broadcast, these are evaluated anew for every element of it.
-_COSTLY = {"reduce_sum", "dot_general", "concatenate", "stack", "sin", "cos", "atan2", "exp", "log", "tanh"}
 
 
 def batch_last(
@@ -42,11 +38,10 @@ def batch_last(
         return Value(atom.val, False) if isinstance(atom, core.Literal) else env[atom]
 
     for equation in live:
-        results = _evaluate(equation, [read(v) for v in equation.invars], worlds, block)
-        if equation.primitive.name not in _FREE:
-            costly = equation.primitive.name in _COSTLY
-            results = _shield(results, [costly or reads[v] > 1 for v in equation.outvars])
-        env.update(zip(equation.outvars, results, strict=True))
+        inputs = [read(v) for v in equation.invars]
+        results = weighed(equation, inputs, _evaluate(equation, inputs, worlds, block))
+        kept = [is_kept(v, equation, reads[x]) for v, x in zip(results, equation.outvars, strict=True)]
+        env.update(zip(equation.outvars, _shield(results, kept), strict=True))
     return [read(v) for v in body.outvars]
 
 
@@ -94,5 +89,5 @@ def _shield(results: list[Value], shared: list[bool]) -> list[Value]:
     held = jax.lax.optimization_barrier([results[i].array for i in picked])
     results = list(results)
     for i, array in zip(picked, held, strict=True):
-        results[i] = Value(array, True)
+        results[i] = Value(array, True, 0)
     return results

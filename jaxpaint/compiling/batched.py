@@ -246,7 +246,7 @@ def _batch_last_chunk(function, leaves, tree, axes, chunk, block):
     jaxpr, shape = jax.make_jaxpr(flat_function, return_shape=True)(*one)
     # Behind a barrier, or every reader would transpose them anew.
     moved = [jnp.moveaxis(x, 0, -1) if b else x for x, b in zip(leaves, axes, strict=True)]
-    values = [Value(x, b) for x, b in zip(jax.lax.optimization_barrier(moved), axes, strict=True)]
+    values = [Value(x, b, effort=0) for x, b in zip(jax.lax.optimization_barrier(moved), axes, strict=True)]
     out = batch_last(jaxpr, values, chunk, block)
     arrays = [spread(v, s.shape, chunk) for v, s in zip(out, jax.tree.leaves(shape), strict=True)]
     return jax.tree.unflatten(jax.tree.structure(shape), [jnp.moveaxis(x, -1, 0) for x in arrays])

@@ -14,6 +14,11 @@ from jaxpaint.compiling.rules import Value, spread
 Evaluate = Callable[[core.ClosedJaxpr, Sequence[Value], int], list[Value]]
 
 
+def _held(arrays, flags) -> list[Value]:
+    """What goes into a loop or comes out of one lies in memory."""
+    return [Value(array, flag, effort=0) for array, flag in zip(arrays, flags, strict=True)]
+
+
 def _closed(jaxpr) -> core.ClosedJaxpr:
     return jaxpr if isinstance(jaxpr, core.ClosedJaxpr) else core.ClosedJaxpr(jaxpr, ())
 
@@ -68,7 +73,7 @@ def _scan(equation, inputs: list[Value], worlds: int, evaluate: Evaluate) -> lis
     out_shapes = _shapes(body.jaxpr.outvars)
 
     def step(carry, x):
-        values = [*consts, *map(Value, carry, flags), *map(Value, x, x_flags)]
+        values = [*consts, *_held(carry, flags), *_held(x, x_flags)]
         out = _spread_all(evaluate(body, values, worlds), out_shapes, [*flags, *y_flags], worlds)
         return tuple(out[:n_carry]), tuple(out[n_carry:])
 
@@ -81,7 +86,7 @@ def _scan(equation, inputs: list[Value], worlds: int, evaluate: Evaluate) -> lis
         reverse=p["reverse"],
         unroll=p["unroll"],
     )
-    return [*map(Value, carry, flags), *map(Value, ys, y_flags)]
+    return [*_held(carry, flags), *_held(ys, y_flags)]
 
 
 class _Loop(NamedTuple):
@@ -94,14 +99,14 @@ class _Loop(NamedTuple):
     evaluate: Evaluate
 
     def goes_on(self, consts: Sequence[Value], carry, worlds: int) -> jax.Array:
-        values = [*consts[: self.params["cond_nconsts"]], *map(Value, carry, self.flags)]
+        values = [*consts[: self.params["cond_nconsts"]], *_held(carry, self.flags)]
         return self.evaluate(self.params["cond_jaxpr"], values, worlds)[0].array
 
     def run(self, consts: Sequence[Value], start, worlds: int):
         """The carry once no world goes on; a world that is done keeps its values."""
 
         def step(carry):
-            values = [*consts[self.params["cond_nconsts"] :], *map(Value, carry, self.flags)]
+            values = [*consts[self.params["cond_nconsts"] :], *_held(carry, self.flags)]
             out = self.evaluate(self.params["body_jaxpr"], values, worlds)
             new = _spread_all(out, self.shapes, self.flags, worlds)
             if self.by_world:
@@ -118,7 +123,7 @@ class _Loop(NamedTuple):
 
 def _while(equation, inputs: list[Value], worlds: int, evaluate: Evaluate) -> list[Value]:
     loop, consts, start = _prepared_while(equation, inputs, worlds, evaluate)
-    return list(map(Value, loop.run(consts, start, worlds), loop.flags))
+    return _held(loop.run(consts, start, worlds), loop.flags)
 
 
 def _prepared_while(equation, inputs: list[Value], worlds: int, evaluate: Evaluate):
@@ -152,9 +157,7 @@ def _cond(equation, inputs: list[Value], worlds: int, evaluate: Evaluate) -> lis
     def run(branch):
         return lambda *arrays: tuple(
             _spread_all(
-                evaluate(
-                    branch, [Value(a, v.batched) for a, v in zip(arrays, operands, strict=True)], worlds
-                ),
+                evaluate(branch, _held(arrays, [v.batched for v in operands]), worlds),
                 shapes,
                 flags,
                 worlds,
@@ -162,7 +165,7 @@ def _cond(equation, inputs: list[Value], worlds: int, evaluate: Evaluate) -> lis
         )
 
     out = lax.switch(index.array, [run(b) for b in branches], *(v.array for v in operands))
-    return list(map(Value, out, flags))
+    return _held(out, flags)
 
 
 def _choose(index: jax.Array, choices: list[jax.Array]) -> jax.Array:
@@ -263,7 +266,7 @@ def _while_in_blocks(equation, inputs, worlds: int, block: int, evaluate: Evalua
         advance,
         (jnp.asarray(worlds - 1), start),
     )
-    return list(map(Value, out, loop.flags))
+    return _held(out, loop.flags)
 
 
 def _next_places(count: jax.Array, after: jax.Array, block: int) -> jax.Array:

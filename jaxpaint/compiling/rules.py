@@ -11,10 +11,13 @@ from jax.extend import core
 
 
 class Value(NamedTuple):
-    """An array of a program; when batched, its last axis counts worlds."""
+    """An array of a program; when batched, its last axis counts worlds. effort: operations that make an
+    element of it anew from what lies in memory, if that is known: 0 for what lies there, or is part of it.
+    """
 
     array: Any
     batched: bool
+    effort: int | None = None
 
 
 Rule = Callable[[core.JaxprEqn, list[Value], int], list[Value]]
