@@ -27,10 +27,10 @@ def fidelity_of(options: PaintOptions, robot: Robot, canvas: Canvas) -> Fidelity
     from sims.wheeled import wheeled
 
     home = np.asarray(robot.home, float)
-    return wheeled(model, home, floor=_floor(options, robot, canvas), friction=options.friction)
+    return wheeled(model, home, floor=floor_of(options, robot, canvas), friction=options.friction)
 
 
-def _floor(options: PaintOptions, robot: Robot, canvas: Canvas):
+def floor_of(options: PaintOptions, robot: Robot, canvas: Canvas):
     """A bump or a ramp lies across the robot's way along the wall, to the left of the canvas's middle."""
     from sims.wheeled import Bump, Flat, Ramp
 

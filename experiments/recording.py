@@ -37,6 +37,7 @@ def recorded(task: PaintTask, mission: Mission, worlds: Sequence[int], first: in
         "brush_axis": truth.axis[rows],
         "normal": _normals(task.job.scene.chart, np.asarray(mission.laid.uv)[rows]),
         "base": record.base,
+        "tilt": record.tilt,
         "odometry": record.odometry,
         "joints": record.arm,
         "halted": record.halted > 0.5,

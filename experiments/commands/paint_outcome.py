@@ -39,6 +39,7 @@ TRAJECTORIES: dict[str, str] = {
     "brush_axis": "[worlds, samples, 3] true brush axis into the wall, map frame, unit",
     "normal": "[worlds, samples, 3] true outward normal of the wall at the brush, map frame, unit",
     "base": "[worlds, samples, 3] true base pose x, y [m], yaw [rad], map frame",
+    "tilt": "[worlds, samples, 3] true height [m], roll, pitch [rad] of the base over a level floor",
     "odometry": "[worlds, samples, 3] base pose as odometry has it x, y [m], yaw [rad], map frame",
     "joints": "[worlds, samples, arm joints] arm joint positions [rad]",
     "halted": "[worlds, samples] whether the base is halted",

@@ -11,6 +11,7 @@ from jaxtyping import Float
 
 from experiments.placing import placed
 from experiments.viewing.camera import view_of
+from experiments.viewing.ground import TILT, add_floor, let_tilt
 from experiments.viewing.model import add_keyframes, hide_what_blocks, light, look_from, room_model
 from experiments.viewing.recorded import Motion, Recorded
 from experiments.viewing.wheels import wheel_angles
@@ -29,6 +30,8 @@ def write_view(recorded: Recorded, motion: Motion, folder: Path, aspect: float) 
     """
     place = placed(recorded.options)
     spec = room_model(recorded.options, place.scene)
+    add_floor(spec, recorded.options, place.canvas)
+    let_tilt(spec, yaw=motion.names[2])
     model = spec.compile()
     qpos = positions(model, motion)
     points = np.concatenate([_canvas_corners(place.canvas), _robot_points(model, qpos)])
@@ -55,7 +58,9 @@ def positions(model: mujoco.MjModel, motion: Motion) -> Float[np.ndarray, "t nq"
     """The model's qpos at every sample; joints that nobody recorded stay where the model has them."""
     qpos = np.tile(model.qpos0, (len(motion.time), 1))
     turned = wheel_angles(model, motion.time, motion.joints[:, :3])
-    for name, column in {**turned, **dict(zip(motion.names, motion.joints.T, strict=True))}.items():
+    tilted = zip(TILT, motion.tilt.T, strict=True)
+    moved = zip(motion.names, motion.joints.T, strict=True)
+    for name, column in {**turned, **dict(tilted), **dict(moved)}.items():
         if mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, name) < 0:
             raise InputError(f"robot: found no joint {name!r}, allowed: the robot of the run, unchanged")
         qpos[:, model.joint(name).qposadr[0]] = column

@@ -22,6 +22,7 @@ _AXES = {
     "colour": 2,
     "brush": 3,
     "base": 3,
+    "tilt": 3,
     "joints": 3,
     "joint_names": 1,
     "palette": 2,
@@ -32,7 +33,8 @@ _AXES = {
 @dataclasses.dataclass(frozen=True, eq=False)
 class Motion:
     """What one world's robot did while it painted. time [s]; joints: positions of the joints `names`, base
-    first [m, rad]; brush: its tip in the map frame [m]; stroke: number of the drawn stroke, -1 with the pen
+    first [m, rad]; tilt: height [m], roll and pitch [rad] of the base over a level floor; brush: its tip in
+    the map frame [m]; stroke: number of the drawn stroke, -1 with the pen
     up; colour: row of palette, sRGB from 0 to 1.
     """
 
@@ -40,6 +42,7 @@ class Motion:
     names: tuple[str, ...]
     time: Float[np.ndarray, " t"]
     joints: Float[np.ndarray, "t joints"]
+    tilt: Float[np.ndarray, "t 3"]
     brush: Float[np.ndarray, "t 3"]
     stroke: Int[np.ndarray, " t"]
     colour: Int[np.ndarray, " t"]
@@ -74,7 +77,7 @@ class Recorded:
             world=world,
             names=tuple(str(name) for name in arrays["joint_names"]),
             joints=np.concatenate([arrays["base"][row], arrays["joints"][row]], axis=1)[live],
-            **{name: arrays[name][row][live] for name in ("time", "brush", "stroke", "colour")},
+            **{name: arrays[name][row][live] for name in ("time", "tilt", "brush", "stroke", "colour")},
             palette=arrays["palette"],
         )
 
@@ -126,8 +129,8 @@ def _check_sizes(arrays, refuse) -> None:
     joints = arrays["base"].shape[-1] + arrays["joints"].shape[-1]
     if not rows[0] or len(arrays["world"]) != rows[0] or len(arrays["joint_names"]) != joints:
         wrong.append("world or joint_names")
-    if arrays["brush"].shape[-1] != 3 or arrays["palette"].shape[-1] != 3:
-        wrong.append("brush or palette")
+    if arrays["brush"].shape[-1] != 3 or arrays["tilt"].shape[-1] != 3 or arrays["palette"].shape[-1] != 3:
+        wrong.append("brush, tilt or palette")
     if not wrong and not np.isin(arrays["colour"], np.arange(len(arrays["palette"]))).all():
         wrong.append("colour")
     if wrong:

@@ -150,10 +150,11 @@ def recorded_run(tmp_path_factory) -> Path:
         brush[k] = data.site("brush").xpos
     names = [model.joint(k).name for k in (0, 1, 2, *range(model.njnt - 6, model.njnt))]
     stroke = np.repeat([0, -1, 1], 20)
+    motion = {"brush": brush, "base": base, "tilt": np.zeros((60, 3)), "joints": arm}
     arrays = {
         "world": np.array([3, 1]),
         "time": np.stack([time, np.full(60, np.nan)]),
-        **{name: np.stack([x, x]) for name, x in {"brush": brush, "base": base, "joints": arm}.items()},
+        **{name: np.stack([x, x]) for name, x in motion.items()},
         "stroke": np.stack([stroke, stroke]),
         "colour": np.stack([stroke == 1] * 2).astype(np.int8),
         "palette": np.array([[0.1, 0.2, 0.6], [0.8, 0.1, 0.1]]),

@@ -10,10 +10,12 @@ import pytest
 from PIL import Image
 
 from experiments.viewing import read_recorded, write_view
+from experiments.viewing.ground import TILT
 from experiments.viewing.model import KEYFRAMES
 from jaxpaint.errors import InputError
-from sims.robots import robot_model
+from sims.robots import load_robot, robot_model
 from sims.robots.read import REFERENCE
+from sims.truth import Calibration, true_brush
 
 URDF = Path(__file__).resolve().parents[2] / "robots" / "big_arm.urdf"
 TETRAHEDRON = "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nv 0 0 0.1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
@@ -21,7 +23,7 @@ TETRAHEDRON = "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nv 0 0 0.1\nf 1 3 2\nf 1 2 4\nf 2 3
 
 def test_the_model_is_the_robot_before_its_wall(view):
     model = mujoco.MjModel.from_xml_path(str(view / "model.xml"))
-    assert model.nq == robot_model().nq
+    assert model.nq == robot_model().nq + len(TILT)
     assert model.geom("wall/scene_0").type == mujoco.mjtGeom.mjGEOM_BOX
     assert model.nkey == KEYFRAMES
     with np.load(view / "trajectory.npz") as run:
@@ -46,6 +48,27 @@ def test_a_robot_that_is_another_now_is_refused(recorded_run, tmp_path):
     motion = dataclasses.replace(recorded.motion(3), names=(*recorded.motion(3).names[:-1], "wrist_4"))
     with pytest.raises(InputError, match="no joint 'wrist_4'"):
         write_view(recorded, motion, tmp_path, 1.0)
+
+
+@pytest.mark.parametrize("floor", ["ramp", "bump"])
+def test_a_base_leans_on_what_it_stands_on(recorded_run, tmp_path, floor):
+    """The brush of the model is where simulation has it."""
+    recorded = read_recorded(recorded_run, "RUN")
+    options = dataclasses.replace(recorded.options, fidelity="wheeled", floor=floor)
+    tilt = np.random.default_rng(0).normal(size=(60, 3)) * [0.01, 0.1, 0.1]
+    motion = dataclasses.replace(recorded.motion(3), tilt=tilt)
+    write_view(dataclasses.replace(recorded, options=options), motion, tmp_path, 1.0)
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "model.xml"))
+    data = mujoco.MjData(model)
+    chain = load_robot().chain
+    with np.load(tmp_path / "trajectory.npz") as run:
+        for row in (0, 30, 59):
+            data.qpos[:] = run["qpos"][row]
+            mujoco.mj_kinematics(model, data)
+            joints, lean = motion.joints[row].astype(np.float32), tilt[row].astype(np.float32)
+            brush = true_brush(chain, Calibration(), joints[:3], lean, joints[3:])
+            np.testing.assert_allclose(data.site("brush").xpos, brush.p, atol=1e-5)
+    assert model.geom(f"ground/{floor}").pos[1] == pytest.approx(0.5, abs=0.02), "left of the middle"
 
 
 @pytest.mark.parametrize("wall", ["corner", "cylinder", "objects", "room"])
