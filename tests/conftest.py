@@ -1,7 +1,10 @@
 """What all tests share: two host devices, 64-bit and strict-rank modes, the data beside the repository."""
 
 import gc
+import os
+import shutil
 import signal
+import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -21,6 +24,20 @@ jax.config.update("jax_num_cpu_devices", 2)
 # Where a test run was put into the background Ctrl-C is ignored, here and in all that is started from here.
 if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+# Names the folder of compiled programs to all processes of a test run.
+_PROGRAMS = "JAXPAINT_TEST_PROGRAMS"
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """What one process compiled is not compiled again: not by another, and not after it was forgotten."""
+    if not hasattr(config, "workerinput"):
+        folder = tempfile.mkdtemp(prefix="jaxpaint-tests-")
+        os.environ[_PROGRAMS] = folder
+        config.add_cleanup(lambda: shutil.rmtree(folder, ignore_errors=True))
+    jax.config.update("jax_compilation_cache_dir", os.environ[_PROGRAMS])
+    jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.3)
+
 
 # Few examples, because each may compile; the same ones each time, because a failure must repeat elsewhere. No
 # deadline: the first example compiles. Function-scoped fixtures are let through for `x64` and `strict_ranks`,

@@ -22,7 +22,7 @@ from sims.worlds import Kinematic
 
 # Host memory of all programs of a run, most of it the compiler's [bytes]: measured, nothing compiled before.
 # Programs from the cache take half of that.
-_PROGRAMS, _MORE_FOR_PHYSICS = 1.4e9, 0.6e9
+_PROGRAMS, _MORE_FOR_PHYSICS = 1.7e9, 0.6e9
 # Numbers in a row of a brush plan, in a base station, and in what a record holds beside the arm's joints, all
 # of which are kept twice while blocks are put together.
 _ROW, _STATION, _RECORDED = 19, 3, 15
