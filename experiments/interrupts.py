@@ -40,9 +40,12 @@ class Interrupts:
         self._keeping = True
 
     def check(self) -> None:
-        """Raise Stop where a signal asked for it: called between pieces of work."""
+        """Raise Stop where a signal asked for it: called between pieces of work. With nothing to keep it ends
+        the work, whose handler's exception something has swallowed (Python drops one in a callback of its
+        garbage collector).
+        """
         if self.received is not None:
-            raise Stop
+            raise Stop if self._keeping else Interrupted(self.received)
 
     def checked(self, advance):
         """The progress callback `advance` with a check behind it: long work calls it between its pieces."""
@@ -60,9 +63,9 @@ class Interrupts:
 
     def handle(self, number: int, _: object) -> None:
         """The signal handler."""
-        if not self._shields and (self.received is not None or not self._keeping):
+        again, self.received = self.received is not None, number
+        if not self._shields and (again or not self._keeping):
             raise Interrupted(number)
-        self.received = number
         if sys.stderr.isatty():
             print("\nstopping; what is finished is kept (again: ends at once)", file=sys.stderr, flush=True)
 

@@ -88,7 +88,7 @@ def run(options: PaintOptions, progress: Callable[..., AbstractContextManager[An
         notes=(
             *task.notes,
             *_dropped(task, done),
-            *_unrecorded(options.record, len(rows)),
+            *_unrecorded(options.record, share.kept),
             *([refused] if refused else []),
         ),
         interrupted=len(rows) < options.worlds,
@@ -163,9 +163,10 @@ def _shown(task: PaintTask, mission: Mission, rows: list[WorldScore]) -> dict:
     }
 
 
-def _unrecorded(worlds: Sequence[int], finished: int) -> list[str]:
+def _unrecorded(worlds: Sequence[int], kept: Sequence[Recording]) -> list[str]:
     """Which of the worlds that a user named are not in trajectories.npz, in words."""
-    lost = [str(world) for world in worlds if world >= finished]
+    found = {world for part in kept for world in part["world"].tolist()}
+    lost = [str(world) for world in worlds if world not in found]
     return [f"not recorded, as not finished: world {', '.join(lost)}"] if lost else []
 
 

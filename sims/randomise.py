@@ -58,8 +58,11 @@ def randomised(job: Job, ranges: Ranges, index: np.ndarray) -> Job:
 
     What a fidelity does not have (masses in `kinematic`, friction in `dynamic`) is left out.
     """
-    if not isinstance(job.fidelity, Delayed):
-        job = dataclasses.replace(job, fidelity=Delayed(job.fidelity, jnp.zeros_like(job.dt)))
+    latency = job.fidelity.latency if isinstance(job.fidelity, Delayed) else jnp.zeros_like(job.dt)
+    inner, physics = inner_fidelity(job.fidelity), _physics(job)
+    if physics is not None:  # the arm balances the weight that it should have
+        inner = dataclasses.replace(inner, known=physics)  # type: ignore[call-arg]
+    job = dataclasses.replace(job, fidelity=Delayed(inner, latency))
     drawn = _DRAW(job, ranges, jnp.asarray(index, jnp.int32))
     return eqx.tree_at(_changing(job), job, [PerWorld(x) for x in drawn])
 

@@ -40,10 +40,11 @@ class PaintOptions(RunOptions):
     """How the robot moves: commanded velocities within limits (kinematic), by servos (dynamic), or on wheels
     that roll and slip (wheeled)."""
     floor: Annotated[str, allowed.choice("flat", "ramp", "bump")] = "flat"
-    """What wheels roll on; a ramp or a speed bump lies across the way along the wall."""
-    friction: Annotated[float, allowed.number("MU", above=0)] = 0.8
+    """What wheels roll on; a ramp or a speed bump lies across the way along the wall, half a metre to the
+    left of where the base begins: short ways do not reach it."""
+    friction: Annotated[float, allowed.number("MU", above=0, at_most=5)] = 0.8
     """Of the wheels on the floor [-]."""
-    randomise: Annotated[float, allowed.number("F", at_least=0)] = 0.0
+    randomise: Annotated[float, allowed.number("F", at_least=0, at_most=4)] = 0.0
     """How much worlds differ in masses, friction, servos, calibration, latency, noise and slope of the floor:
     1 as in a workshop, 0 not at all: docs/worlds.md."""
     refine: Annotated[str, allowed.choice("none", later=("agn",))] = "none"

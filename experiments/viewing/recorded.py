@@ -115,6 +115,7 @@ def _arrays(path: Path, option: str) -> dict[str, np.ndarray]:
         if arrays[name].ndim != axes:
             refuse(f"{name} with {arrays[name].ndim} axes")
     _check_sizes(arrays, refuse)
+    _check_values(arrays, refuse)
     return arrays
 
 
@@ -131,7 +132,31 @@ def _check_sizes(arrays, refuse) -> None:
         wrong.append("world or joint_names")
     if arrays["brush"].shape[-1] != 3 or arrays["tilt"].shape[-1] != 3 or arrays["palette"].shape[-1] != 3:
         wrong.append("brush, tilt or palette")
-    if not wrong and not np.isin(arrays["colour"], np.arange(len(arrays["palette"]))).all():
+    if (
+        not wrong
+        and arrays["colour"].dtype.kind in "iu"
+        and not np.isin(arrays["colour"], np.arange(len(arrays["palette"]))).all()
+    ):
         wrong.append("colour")
     if wrong:
         refuse(f"{wrong[0]} of another size")
+
+
+def _check_values(arrays, refuse) -> None:
+    """Numbers are numbers, and finite wherever a world still painted."""
+    kinds = {"joint_names": "U", **dict.fromkeys(("world", "stroke", "colour"), "iu")}
+    for name, array in arrays.items():
+        if array.dtype.kind not in kinds.get(name, "fiu"):
+            refuse(f"{name} of another kind")
+    live = np.isfinite(arrays["time"])
+    for name in ("base", "tilt", "joints", "brush"):
+        if not np.isfinite(arrays[name][live]).all():
+            refuse(f"{name} that is not finite")
+    if not np.isfinite(arrays["palette"]).all():
+        refuse("palette that is not finite")
+    if (np.diff(arrays["time"], axis=1) <= 0).any():
+        refuse("time that does not rise")
+    if len(np.unique(arrays["world"])) < len(arrays["world"]):
+        refuse("world more than once")
+    if (arrays["stroke"] >= live.shape[1]).any():
+        refuse("stroke beyond the last sample")

@@ -32,7 +32,9 @@ def batch_last(
     env: dict[core.Var, Value] = dict(
         zip(body.constvars, (Value(c, False) for c in jaxpr.consts), strict=True)
     )
-    env.update(zip(body.invars, args, strict=True))
+    # What a call reads once may be read often inside.
+    often = [is_kept(v, "", reads[x]) for v, x in zip(args, body.invars, strict=True)]
+    env.update(zip(body.invars, _shield(list(args), often), strict=True))
 
     def read(atom) -> Value:
         return Value(atom.val, False) if isinstance(atom, core.Literal) else env[atom]
@@ -40,7 +42,10 @@ def batch_last(
     for equation in live:
         inputs = [read(v) for v in equation.invars]
         results = weighed(equation, inputs, _evaluate(equation, inputs, worlds, block))
-        kept = [is_kept(v, equation, reads[x]) for v, x in zip(results, equation.outvars, strict=True)]
+        kept = [
+            is_kept(v, equation.primitive.name, reads[x])
+            for v, x in zip(results, equation.outvars, strict=True)
+        ]
         env.update(zip(equation.outvars, _shield(results, kept), strict=True))
     return [read(v) for v in body.outvars]
 

@@ -63,7 +63,7 @@ def weighed(equation: core.JaxprEqn, inputs: Sequence[Value], results: Sequence[
     return [v if v.effort is not None else v._replace(effort=effort) for v in results]
 
 
-def is_kept(value: Value, equation: core.JaxprEqn, reads: int) -> bool:
-    """Whether a result that so many operations read is kept in memory."""
+def is_kept(value: Value, name: str, reads: int) -> bool:
+    """Whether the result of an operation of this name that so many others read is kept in memory."""
     effort = value.effort or 0
-    return effort > 0 and (equation.primitive.name in _KEPT or effort * (reads - 1) > _AGAIN)
+    return effort > 0 and (name in _KEPT or effort * (reads - 1) > _AGAIN)

@@ -11,7 +11,7 @@ from jaxtyping import Array, Float
 
 from sims.dynamics.parameters import Physics
 from sims.dynamics.quiet import mjx
-from sims.dynamics.servos import masses_of, servos, with_links
+from sims.dynamics.servos import Load, masses_of, servos, with_links
 from sims.dynamics.tree import Tree
 
 # What makes a chain, besides its `Physics`.
@@ -50,18 +50,23 @@ class Engine:
         v: Float[Array, " joints"],
         ctrl: Float[Array, " joints"],
         balanced: Float[Array, ""],
+        told: Load | None = None,
     ) -> tuple[Float[Array, " joints"], Float[Array, " joints"]]:
         """Joints after one physics step; `model` by `with_physics`.
 
         As MuJoCo's integrator `implicitfast`. balanced: share of the weight that motors are told to hold
-        besides `ctrl`. Their limits hold for all that they are told, so a motor that is too weak lets its
-        load sink.
+        besides `ctrl`. told: what that weight is computed of, where it is not the truth. Their limits hold
+        for all that motors are told, so one that is too weak lets its load sink.
         """
         tree, h, masses = self.tree, model.opt.timestep, masses_of(model)
         root = jnp.eye(3, dtype=q.dtype), jnp.zeros(3, q.dtype)
         placed = tree.place(masses, root, q)
         carried = tree.composite(placed.spatial)
-        weight = tree.weight(placed, carried, model.opt.gravity)
+        if told is None:
+            weight = tree.weight(placed, carried, model.opt.gravity)
+        else:
+            seen = tree.place(told.masses, root, q)
+            weight = tree.weight(seen, tree.composite(seen.spatial), told.gravity)
         pulled = servos(model, q, v, ctrl + balanced * weight)
         # Implicit in the speeds: what damps acts like inertia for a step, and one factorisation serves all.
         inertia = tree.inertia(placed, carried, model.dof_armature + h * pulled.damping)

@@ -15,6 +15,7 @@ from sims.dynamics.arm_servos import arm_holds, arm_reference
 from sims.dynamics.engine import Engine
 from sims.dynamics.model import planar_model
 from sims.dynamics.parameters import GRAVITY_ERROR, POSITION_RATE, Physics, physics_of
+from sims.dynamics.servos import load_of
 from sims.worlds import RIM_ACCELERATION, Fidelity, World, rolled_base
 
 # Physics steps in a control step of 20 ms.
@@ -42,12 +43,14 @@ class Dynamic(Fidelity):
     velocity fed forward.
 
     The physics runs in the frame where the base stood at the beginning of the control step: the plane looks
-    the same from everywhere, and small numbers round less. engine: compiled with the program.
+    the same from everywhere, and small numbers round less. engine: compiled with the program. known: what
+    the arm's own compensation of its weight takes for masses and gravity; None for what they are.
     """
 
     physics: Physics
     engine: Engine = eqx.field(static=True)
     substeps: int = eqx.field(static=True, default=SUBSTEPS)
+    known: Physics | None = None
 
     def begin(self, world: World) -> World:
         """The world with servos at rest, unless it has them."""
@@ -84,6 +87,7 @@ class Dynamic(Fidelity):
         q = jnp.concatenate([base, world.arm])
         v = jnp.concatenate([world.servos.rolling, world.arm_velocity])
 
+        told_load = None if self.known is None else load_of(self.known)
         before = world.servos.told
         push = p.pushed * (told - before) / dt
 
@@ -93,7 +97,8 @@ class Dynamic(Fidelity):
             wanted = before + share * (told - before)
             base = _turned(p.velocity_gain[:3] * wanted + push, q[2])
             arm = p.position_gain * goal + p.velocity_gain[3:] * pace
-            q, v = self.engine.advance(model, q, v, jnp.concatenate([base, arm]), 1 - p.gravity_error)
+            ctrl = jnp.concatenate([base, arm])
+            q, v = self.engine.advance(model, q, v, ctrl, 1 - p.gravity_error, told_load)
             return (q, v, goal, pace), None
 
         start = (q, v, world.servos.reference, world.servos.reference_velocity)

@@ -35,6 +35,18 @@ def servos(
     return Pulled(force, model.dof_damping[-len(gains) :] - gains[:, 2] * (servo == force))
 
 
+class Load(NamedTuple):
+    """Masses, and the gravity that pulls at them [m/s^2]."""
+
+    masses: Masses
+    gravity: Float[Array, "3"]
+
+
+def load_of(links: Links) -> Load:
+    """What the links of these parameters weigh."""
+    return Load(Masses(links.mass, links.center, links.inertia), links.gravity)
+
+
 def masses_of(model: mjx.Model) -> Masses:
     """Of all bodies but the world."""
     return Masses(model.body_mass[1:], model.body_ipos[1:], model.body_inertia[1:])

@@ -14,6 +14,7 @@ from jaxpaint.steering import WheelMotion
 from opt.wbc import RobotLimits
 from sims.driver import Wheels, at_rest, drive
 from sims.dynamics.arm_servos import arm_holds, arm_reference, leashed
+from sims.dynamics.servos import load_of
 from sims.odometry import displacement, moved, reported_speed
 from sims.wheeled.attitude import Placed, from_free_joint, to_free_joint
 from sims.wheeled.engine import Motion, WheeledEngine
@@ -64,6 +65,7 @@ class Wheeled(Fidelity):
     in its wheels: each axis stands askew by its part, and each wheel rolls further than its encoder counts.
     The random walk of `OdometryNoise` is left out: what makes wheels slip is here. The arm is as in
     `Dynamic`. tilt: at rest; rolling_radius: see `sims.wheeled.rest.Rest`. engine: compiled with the program.
+    known: as in `Dynamic`.
     """
 
     physics: WheeledPhysics
@@ -71,6 +73,7 @@ class Wheeled(Fidelity):
     rolling_radius: Float[Array, ""]
     engine: WheeledEngine = eqx.field(static=True)
     substeps: int = eqx.field(static=True, default=SUBSTEPS)
+    known: WheeledPhysics | None = None
 
     def begin(self, world: World) -> World:
         """The world standing on its wheels, all at rest, unless it stands already."""
@@ -148,6 +151,7 @@ class Wheeled(Fidelity):
         rate, way = (told.angle - before.angle) / dt, self._way(world)
         push = p.pushed * self.rolling_radius * (told.speed - before.speed) / dt / zero.shape[0]
         # Each arm joint's weight is balanced but for the error; wheels have none.
+        load = None if self.known is None else load_of(self.known)
         balanced = _joined(zero, zero, jnp.ones_like(world.arm) * (1 - p.gravity_error))
 
         def substep(state, share):
@@ -159,7 +163,7 @@ class Wheeled(Fidelity):
             place = _joined(leashed(steering, goals.steer), goals.axle, goal)
             ctrl = p.position_gain * place + p.velocity_gain * _joined(rate, spin, pace)
             ctrl = ctrl + _joined(zero, push, jnp.zeros_like(goal))
-            return (self.engine.advance(model, motion, ctrl, balanced), goals), None
+            return (self.engine.advance(model, motion, ctrl, balanced, load), goals), None
 
         free = to_free_joint(Placed(world.base, world.tilt))
         q = jnp.concatenate([free, _joined(s.steering, zero, world.arm)])

@@ -1,5 +1,6 @@
 """Ctrl-C and termination: what is finished is kept, what is not leaves nothing."""
 
+import contextlib
 import json
 import os
 import signal
@@ -113,6 +114,15 @@ def test_before_anything_is_finished_a_signal_ends_the_work_at_once():
         send(signal.SIGTERM)
     assert caught.value.status == 143
     assert isinstance(caught.value, KeyboardInterrupt)
+
+
+def test_a_signal_whose_exception_something_swallowed_ends_the_work_at_the_next_check():
+    with held() as interrupts:
+        with contextlib.suppress(Interrupted):  # as Python does in a callback of its garbage collector
+            send(signal.SIGTERM)
+        with pytest.raises(Interrupted) as caught:
+            interrupts.check()
+    assert caught.value.status == 143
 
 
 def test_afterwards_the_first_waits_for_a_check_and_the_second_does_not():

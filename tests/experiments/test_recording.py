@@ -103,5 +103,5 @@ def test_worlds_that_were_not_finished_are_told(task):
     part = chosen(task, mission(3, 9), np.arange(3), (70, 1))
     found = joined(part, (70, 1))
     assert found["world"].tolist() == [1]
-    assert _unrecorded((70, 1), 3) == ["not recorded, as not finished: world 70"]
-    assert _unrecorded((), 3) == []
+    assert _unrecorded((70, 1), [{"world": np.array([1])}]) == ["not recorded, as not finished: world 70"]
+    assert _unrecorded((), []) == []

@@ -50,6 +50,8 @@ def test_every_draw_is_within_its_range_and_fills_it(jobs):
         assert np.abs(found).max() <= most * 1.001, name
         assert found.min() < -0.9 * most and found.max() > 0.9 * most, name
     assert 0.5 <= physics.friction.min() < 0.55 and 0.95 < physics.friction.max() <= 1.0
+    for name in ("mass", "gravity"):  # what the arm balances is what it should weigh
+        np.testing.assert_array_equal(getattr(job.fidelity.fidelity.known, name), getattr(nominal, name))
     assert job.fidelity.latency.min() >= 0 and 0.018 < job.fidelity.latency.max() <= 0.02
     gravity = np.asarray(physics.gravity)
     np.testing.assert_allclose(np.linalg.norm(gravity, axis=1), 9.81, rtol=1e-6)

@@ -34,6 +34,8 @@ BAD = {
     "paint --up -w": "--up",
     "paint --friction 0.5": "beside --fidelity wheeled",
     "paint --fidelity wheeled --friction 0": "above 0",
+    "paint --fidelity wheeled --friction 1e300": "of 5 or less",
+    "paint --randomise 30": "to 4",
     "paint --refine agn": "not built yet",
     "paint --fidelity hover": "--fidelity",
     "paint --controller pid": "acp, whole-body, trajectory",

@@ -60,6 +60,14 @@ def test_samples_after_the_end_are_left_out(copied):
             "stroke of another size",
         ),
         ({"stroke": np.array([object()])}, "not a file of arrays"),
+        ({"time": np.full((2, 60), "now")}, "time of another kind"),
+        ({"colour": np.zeros((2, 60))}, "colour of another kind"),
+        ({"palette": np.full((2, 3), "red")}, "palette of another kind"),
+        ({"brush": np.full((2, 60, 3), np.nan)}, "brush that is not finite"),
+        ({"base": np.full((2, 60, 3), np.inf)}, "base that is not finite"),
+        ({"time": np.zeros((2, 60))}, "time that does not rise"),
+        ({"world": np.array([3, 3])}, "world more than once"),
+        ({"stroke": np.full((2, 60), 2**31 - 1)}, "stroke beyond"),
     ],
 )
 def test_other_arrays_are_refused(copied, arrays, said):

@@ -39,13 +39,27 @@ def part_of_long(x):
     return chain[0] + 1, chain[0] - 1
 
 
+def often_in_a_call(x):
+    """The call reads once what is read three times inside."""
+    return jax.jit(lambda y: (y + 1, y - 1, y * y))((x * x + x) * x)
+
+
 def in_a_loop(x):
     return jax.lax.scan(lambda c, row: (c + row[0] * row[0], row[1] - c), x[0], x.reshape(2, 2))
 
 
 @pytest.mark.parametrize(
     ("function", "barriers"),
-    [(parts, 0), (cheap, 0), (often, 1), (long, 1), (dear, 1), (part_of_long, 1), (in_a_loop, 0)],
+    [
+        (parts, 0),
+        (cheap, 0),
+        (often, 1),
+        (long, 1),
+        (dear, 1),
+        (part_of_long, 1),
+        (often_in_a_call, 1),
+        (in_a_loop, 0),
+    ],
 )
 def test_barriers(function, barriers):
     jaxpr = jax.make_jaxpr(function)(jnp.ones(4))

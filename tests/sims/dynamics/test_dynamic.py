@@ -9,6 +9,7 @@ import pytest
 
 from jaxpaint.kinematics import forward
 from sims.dynamics import planar_model
+from sims.dynamics.servos import load_of
 from sims.noise import noise_preset
 
 DT, STEPS = 0.02, 52
@@ -172,6 +173,23 @@ def test_motors_too_weak_for_the_weight_let_the_arm_sink(bench, resting, share):
     np.testing.assert_allclose(state.world.arm[0], q[3:], atol=2e-3 * np.abs(fallen).max())
     height = forward(bench.robot.chain, jnp.concatenate([state.world.base[0], state.world.arm[0]])).p[2]
     assert height < 1.1 - 0.2
+
+
+def test_the_arm_balances_the_weight_that_it_was_told_of(bench):
+    """Half of the masses more than it was told: it falls as half of the masses would."""
+    engine, physics = bench.fidelity.engine, bench.fidelity.physics
+    heavier = eqx.tree_at(lambda p: p.mass, physics, 1.5 * physics.mass)
+    q, still = bench.robot.at_home(jnp.zeros(3)), jnp.zeros(9)
+
+    def speed(balanced, told):
+        one = jnp.asarray(1e-3)
+        model = engine.with_physics(heavier, one)
+        hold = jnp.concatenate([jnp.zeros(3), physics.position_gain * q[3:]])
+        return np.asarray(jax.jit(engine.advance)(model, q, still, hold, balanced, told)[1])
+
+    told = load_of(physics)
+    np.testing.assert_allclose(speed(1.0, told), speed(2 / 3, None), atol=1e-6)
+    assert np.abs(speed(1.0, None)).max() < 1e-6 < 1e-3 < np.abs(speed(1.0, told)).max()
 
 
 def test_slip_acts_once_and_odometry_reports_what_rolled(bench, resting):
