@@ -55,18 +55,18 @@ class Engine:
         """Joints after one physics step; `model` by `with_physics`.
 
         As MuJoCo's integrator `implicitfast`. balanced: share of the weight that motors are told to hold
-        besides `ctrl`. told: what that weight is computed of, where it is not the truth. Their limits hold
-        for all that motors are told, so one that is too weak lets its load sink.
+        besides `ctrl`. told: what that weight is computed of for the arm, where it is not the truth. Their
+        limits hold for all that motors are told, so one that is too weak lets its load sink.
         """
         tree, h, masses = self.tree, model.opt.timestep, masses_of(model)
         root = jnp.eye(3, dtype=q.dtype), jnp.zeros(3, q.dtype)
         placed = tree.place(masses, root, q)
         carried = tree.composite(placed.spatial)
-        if told is None:
-            weight = tree.weight(placed, carried, model.opt.gravity)
-        else:
+        weight = tree.weight(placed, carried, model.opt.gravity)
+        if told is not None:
             seen = tree.place(told.masses, root, q)
-            weight = tree.weight(seen, tree.composite(seen.spatial), told.gravity)
+            arm = tree.weight(seen, tree.composite(seen.spatial), told.gravity)[3:]
+            weight = jnp.concatenate([weight[:3], arm])  # wheels hold the base on whatever slope
         pulled = servos(model, q, v, ctrl + balanced * weight)
         # Implicit in the speeds: what damps acts like inertia for a step, and one factorisation serves all.
         inertia = tree.inertia(placed, carried, model.dof_armature + h * pulled.damping)
