@@ -21,6 +21,8 @@ _START = "import sys; from experiments.cli import main; sys.exit(main())"
 _ROOT = Path(__file__).resolve().parents[2]
 # A process that says itself why it failed leaves the first one time to hear of it, or to fail alike [s].
 _HEARD = 30.0
+# One that the end of the first one kills may be seen to end before it [s].
+_SEEN = 1.0
 # How long processes may take to end once they were told [s]: compiling cannot be broken off.
 _LAST = 60.0
 _WATCH = 0.1
@@ -99,7 +101,8 @@ def _watch(local: list[_Local]) -> _Local | None:
         if lost is None:
             lost = next((other for other in local[1:] if other.run.poll() not in (None, 0)), None)
             since = time.monotonic()
-        if lost is not None and (_ended(lost) < 0 or time.monotonic() - since > _HEARD):
+        patience = _SEEN if lost is not None and _ended(lost) < 0 else _HEARD
+        if lost is not None and time.monotonic() - since > patience and local[0].run.poll() is None:
             _end(local)
             return lost
     return None

@@ -34,8 +34,8 @@ _AXES = {
 class Motion:
     """What one world's robot did while it painted. time [s]; joints: positions of the joints `names`, base
     first [m, rad]; tilt: height [m], roll and pitch [rad] of the base over a level floor; brush: its tip in
-    the map frame [m]; stroke: number of the drawn stroke, -1 with the pen
-    up; colour: row of palette, sRGB from 0 to 1.
+    the map frame [m]; stroke: number of the drawn stroke, -1 with the pen up; colour: row of palette, sRGB
+    from 0 to 1.
     """
 
     world: int

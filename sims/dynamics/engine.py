@@ -64,8 +64,7 @@ class Engine:
         carried = tree.composite(placed.spatial)
         weight = tree.weight(placed, carried, model.opt.gravity)
         if told is not None:
-            seen = tree.place(told.masses, root, q)
-            arm = tree.weight(seen, tree.composite(seen.spatial), told.gravity)[3:]
+            arm = tree.weight_of(told.masses, root, q, told.gravity)[3:]
             weight = jnp.concatenate([weight[:3], arm])  # wheels hold the base on whatever slope
         pulled = servos(model, q, v, ctrl + balanced * weight)
         # Implicit in the speeds: what damps acts like inertia for a step, and one factorisation serves all.

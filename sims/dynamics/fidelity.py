@@ -87,7 +87,7 @@ class Dynamic(Fidelity):
         q = jnp.concatenate([base, world.arm])
         v = jnp.concatenate([world.servos.rolling, world.arm_velocity])
 
-        told_load = None if self.known is None else load_of(self.known)
+        load = None if self.known is None else load_of(self.known)
         before = world.servos.told
         push = p.pushed * (told - before) / dt
 
@@ -98,7 +98,7 @@ class Dynamic(Fidelity):
             base = _turned(p.velocity_gain[:3] * wanted + push, q[2])
             arm = p.position_gain * goal + p.velocity_gain[3:] * pace
             ctrl = jnp.concatenate([base, arm])
-            q, v = self.engine.advance(model, q, v, ctrl, 1 - p.gravity_error, told_load)
+            q, v = self.engine.advance(model, q, v, ctrl, 1 - p.gravity_error, load)
             return (q, v, goal, pace), None
 
         start = (q, v, world.servos.reference, world.servos.reference_velocity)

@@ -115,6 +115,17 @@ class Tree:
         up = jnp.concatenate([jnp.zeros_like(gravity), -gravity])
         return (placed.screw * moved(composite, up[None])[self._link_of_dof]).sum(-1)
 
+    def weight_of(
+        self,
+        masses: Masses,
+        root: tuple[Float[Array, "3 3"], Float[Array, "3"]],
+        q: Float[Array, " joints"],
+        gravity: Float[Array, "3"],
+    ) -> Float[Array, " dofs"]:
+        """The same of other masses."""
+        placed = self.place(masses, root, q)
+        return self.weight(placed, self.composite(placed.spatial), gravity)
+
     def bodies(self, placed: Placed) -> tuple[Float[Array, "bodies 3 3"], Float[Array, "bodies 3"]]:
         """Rotations and positions of the bodies' frames."""
         return placed.R[self.link], placed.p[self.link]

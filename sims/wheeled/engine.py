@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 from jaxtyping import Array, Float
 
-from jaxpaint.kinematics.rotations import cross, rotate, rotation_from_quaternion
+from jaxpaint.kinematics.rotations import cross, rotation_from_quaternion
 from sims.dynamics.quiet import mjx
 from sims.dynamics.servos import Load, floats_as, masses_of, servos, with_links
 from sims.dynamics.tree import Placed, Tree
@@ -94,7 +94,7 @@ class WheeledEngine:
         told: Load | None = None,
     ) -> Motion:
         """The robot after one physics step; `model` by `with_physics`. Servos as in `sims.dynamics.Engine`;
-        what weight they balance is computed as if the base stood level.
+        what weight they balance is computed as if the base stood level, since nothing tells the arm.
 
         Damping acts like inertia for a step, which is `implicitfast`, but the contacts' solver knows it too:
         MuJoCo's own integrator adds it after the contacts, and then stiff drives slip where nothing pulls.
@@ -103,12 +103,11 @@ class WheeledEngine:
         root = rotation_from_quaternion(now.q[3:7]), now.q[:3]
         placed = tree.place(masses_of(model), root, now.q[7:])
         carried = tree.composite(placed.spatial)
-        seen, seen_carried, down = placed, carried, gravity
-        if told is not None:
-            seen, down = tree.place(told.masses, root, now.q[7:]), told.gravity
-            seen_carried = tree.composite(seen.spatial)
-        weight = tree.weight(seen, seen_carried, rotate(root[0], down))[6:]
-        pulled = servos(model, now.q[7:], now.v[6:], ctrl + balanced * weight)
+        if told is None:
+            weight = tree.weight(placed, carried, gravity[2] * root[0][:, 2])
+        else:
+            weight = tree.weight_of(told.masses, root, now.q[7:], told.gravity[2] * root[0][:, 2])
+        pulled = servos(model, now.q[7:], now.v[6:], ctrl + balanced * weight[6:])
         free = jnp.zeros(6, now.q.dtype)
         implicit = model.dof_armature + h * jnp.concatenate([free, pulled.damping])
         inertia = tree.inertia(placed, carried, implicit)

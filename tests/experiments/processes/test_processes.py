@@ -14,6 +14,7 @@ from experiments.commands.paint_options import PaintOptions
 from experiments.interrupts import Interrupts, Stop
 from experiments.processes import Peers, PeersLost
 from experiments.processes import peers as of_peers
+from experiments.processes.launch import _Local, _watch
 from jaxpaint.errors import InputError
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -230,6 +231,17 @@ def test_ctrl_c_ends_all_and_leaves_nothing(tmp_path):
     assert ended(run) == (130, ["jaxpaint: interrupted; nothing was written"])
     assert not is_alive(pid)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_what_the_end_of_the_first_one_kills_is_no_failure():
+    """Its end takes the service away, which others may die of, and be seen to be dead before it is."""
+    words = [
+        "import sys, time; time.sleep(0.5); sys.exit(130)",
+        "import os, signal; os.kill(os.getpid(), signal.SIGABRT)",
+    ]
+    local = [_Local(k, subprocess.Popen([sys.executable, "-c", x]), None) for k, x in enumerate(words)]
+    assert _watch(local) is None
+    assert local[0].run.returncode == 130
 
 
 @pytest.mark.slow

@@ -3,9 +3,12 @@
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import mujoco
 import numpy as np
 import pytest
 
+from sims.robots import robot_model
+from sims.wheeled import wheeled_model
 from tests.sims.wheeled.conftest import DT, STEPS, constant
 
 TWISTS = [(0.2, 0.0, 0.0), (0.1, 0.15, 0.0), (0.15, 0.0, 0.3), (0.0, 0.0, 0.5)]
@@ -73,6 +76,27 @@ def test_a_sloping_floor_does_not_carry_it_away(bench):
     leaning = eqx.tree_at(lambda p: p.gravity, bench.fidelity.physics, jnp.asarray([0.3, 0.2, -9.8]))
     found = bench(*constant((0.0, 0.0, 0.0), (0.1, 0.0, 0.0)), physics=leaning)
     assert np.abs(found.base[0, -1, :2]).max() < 3e-3 and found.holds.all()
+
+
+def test_the_arm_balances_its_weight_as_if_the_floor_were_level(bench):
+    """It is bent by what a slope adds: that over its stiffness."""
+    leans = np.array([[0.3, 0.2, -9.8], [-0.2, 0.3, -9.8], [0.0, 0.0, -9.8]])
+    physics = [eqx.tree_at(lambda p: p.gravity, bench.fidelity.physics, jnp.asarray(g)) for g in leans]
+    found = bench(*constant(*[(0.0, 0.0, 0.0)] * 3), physics=jax.tree.map(lambda *x: jnp.stack(x), *physics))
+    weights = [_weight(bench, gravity) for gravity in leans]
+    expected = -(np.array(weights[:2]) - weights[2]) / np.asarray(physics[0].position_gain[8:])
+    np.testing.assert_allclose(found.arm[:2, -1] - found.arm[2, -1], expected, rtol=0.05, atol=5e-6)
+    assert np.abs(expected).max() > 5e-5
+
+
+def _weight(bench, gravity):
+    """Of the arm's joints with the base level [N m]."""
+    model = wheeled_model(robot_model())
+    model.opt.gravity = gravity
+    data = mujoco.MjData(model)
+    data.qpos[15:] = bench.robot.home
+    mujoco.mj_forward(model, data)
+    return data.qfrc_bias[14:]
 
 
 @pytest.mark.parametrize("friction", [0.3, 1.0])
