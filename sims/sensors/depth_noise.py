@@ -6,21 +6,32 @@ from typing import Self
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Bool, Float, PRNGKeyArray
+from jaxtyping import Array, Bool, Float, Int, PRNGKeyArray
 
 from sims.parameters import scalar
 from sims.sensors.camera import Camera
+from sims.sensors.distortion import distortion_field
 from sims.sensors.rgbd import RGBD
 
 
+def _seed(value: Array | int) -> Array:
+    return jnp.asarray(value, jnp.int32)
+
+
 class DepthNoise(eqx.Module):
-    """Parameters of the errors; pixels are those of the full sensor, before decimation.
+    """Parameters of the errors; pixels are those of the full sensor, before decimation. See docs/sensors.md.
 
     disparity_sigma: standard deviation of the disparity [px]; depth errs by z^2 sigma / (f b). Intel's tuning
-        guide gives 0.08 px on well-textured surfaces.
-    correlation: length of the error's correlation exp(-(d / length)^2 / 2) [px]: neighbours share their
-        matching window, which is about 7 px wide.
-    quantum: step in which the disparity is delivered [px]; the D4 chip works in 1/32 px.
+        guide gives 0.08 px on well-textured surfaces. All of it is taken as random here, the harder choice: a
+        fixed part would go with calibration. Fitted to a real Kinect: 0.053 px.
+    correlation: length of the error's correlation exp(-(d / length)^2 / 2) [px], fitted to planes in pictures
+        of a real Kinect (`sims.sensors.noise_fit`, `jaxpaint reproduce sensor-noise`). Neighbours share their
+        matching window, which spans as many pixels in both cameras, 7 to 9, so it is not scaled.
+    quantum: step in which the disparity is delivered [px]; the D4 chip works in 1/32 px, a Kinect in 1/8 px.
+    distortion, distortion_length, distortion_seed: standard deviation [px] of a smooth error that is the same
+        in all pictures of one camera, the length of its correlation exp(-(d / length)^2 / 2) [px], and which
+        camera it is. Calibration removes it: 0 here. Of a Kinect out of the box 0.09 px and 30 px, what the
+        wall itself is uneven by included.
     edge_step: relative jump of inverse depth between neighbouring pixels that counts as a depth edge [1].
     flying: share of the pixels at a depth edge that take a value between its two sides [1].
     grazing, grazing_width: angle of incidence at which half of the pixels are lost, and the scale of that
@@ -30,8 +41,11 @@ class DepthNoise(eqx.Module):
     """
 
     disparity_sigma: Float[Array, ""] = eqx.field(converter=scalar, default=0.08)
-    correlation: Float[Array, ""] = eqx.field(converter=scalar, default=7.0)
+    correlation: Float[Array, ""] = eqx.field(converter=scalar, default=3.1)
     quantum: Float[Array, ""] = eqx.field(converter=scalar, default=1 / 32)
+    distortion: Float[Array, ""] = eqx.field(converter=scalar, default=0.0)
+    distortion_length: Float[Array, ""] = eqx.field(converter=scalar, default=30.0)
+    distortion_seed: Int[Array, ""] = eqx.field(converter=_seed, default=0)
     edge_step: Float[Array, ""] = eqx.field(converter=scalar, default=0.03)
     flying: Float[Array, ""] = eqx.field(converter=scalar, default=0.5)
     grazing: Float[Array, ""] = eqx.field(converter=scalar, default=1.37)
@@ -48,7 +62,10 @@ class DepthNoise(eqx.Module):
 
 
 def observe(rgbd: RGBD, camera: Camera, noise: DepthNoise, *, key: PRNGKeyArray) -> RGBD:
-    """The picture as the camera delivers it: flying pixels, disparity noise, quantisation, holes."""
+    """The picture as the camera delivers it: flying pixels, disparity noise and distortion, quantisation, holes.
+
+    The key is this picture's; the distortion is the camera's and has its seed in `noise`.
+    """
     mix_key, disparity_key, hole_key = jax.random.split(key, 3)
     inverse = _mix_at_edges(rgbd, noise, mix_key)
     disparity_per_inverse = camera.fx * camera.decimation * camera.baseline
@@ -58,7 +75,14 @@ def observe(rgbd: RGBD, camera: Camera, noise: DepthNoise, *, key: PRNGKeyArray)
         key=disparity_key,
         dtype=rgbd.depth.dtype,
     )
-    disparity = disparity_per_inverse * inverse + noise.disparity_sigma * field
+    pattern = distortion_field(
+        (camera.height, camera.width),
+        camera.decimation,
+        noise.distortion_length,
+        noise.distortion_seed,
+        dtype=rgbd.depth.dtype,
+    )
+    disparity = disparity_per_inverse * inverse + noise.disparity_sigma * field + noise.distortion * pattern
     disparity = _quantise(disparity, noise.quantum)
     seen = rgbd.valid & (disparity > 0)
     depth = disparity_per_inverse / jnp.where(seen, disparity, 1)
