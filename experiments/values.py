@@ -167,6 +167,19 @@ def folder(*, unset: str) -> Values:
     return _words(_as_path, lambda value: isinstance(value, Path), "a folder", "DIR", unset=unset)
 
 
+def data_folder(*, unset: str) -> Values:
+    """An existing folder, to read from."""
+
+    def holds(value: Any) -> bool:
+        try:
+            return isinstance(value, Path) and value.is_dir()
+        except (OSError, ValueError):  # a name that no folder can have: too long, or with a null byte
+            return False
+
+    values = _words(_as_path, holds, "an existing folder", "DIR", unset=unset)
+    return dataclasses.replace(values, restore=_from_json(()), remark=_why_no_file)
+
+
 def _words(
     read: Callable[[str], Any],
     holds: Callable[[Any], bool],

@@ -15,10 +15,13 @@ REPRODUCTIONS = {
     "halting": "experiments.reproduce.halting",
     "qp-accuracy": "experiments.reproduce.qp_accuracy",
     "s1-figure-11": "experiments.reproduce.s1_figure_11",
+    "sensor-noise": "experiments.reproduce.sensor_noise",
 }
 """Module of each table or figure; it has NAME and `run(settings) -> ReproduceResult`."""
+MEASURED = ("sensor-noise",)
+"""Those that are measured on captured data, which is not part of the program."""
 
-__all__ = ["REPRODUCTIONS", "ReproduceResult", "ReproduceSettings", "Row", "load"]
+__all__ = ["MEASURED", "REPRODUCTIONS", "ReproduceResult", "ReproduceSettings", "Row", "load"]
 
 
 def load(name: str) -> ModuleType:

@@ -1,15 +1,19 @@
 """What a reproduced table or figure gives: published against ours."""
 
 import dataclasses
+from pathlib import Path
 
 from matplotlib.figure import Figure
 
 
 @dataclasses.dataclass(frozen=True)
 class ReproduceSettings:
-    """seed: of whatever is drawn at random, above the seeds used in development."""
+    """seed: of whatever is drawn at random, above the seeds used in development. data: the folder of captured
+    pictures and clouds, for what is measured on them.
+    """
 
     seed: int = 0
+    data: Path | None = None
 
 
 @dataclasses.dataclass(frozen=True)

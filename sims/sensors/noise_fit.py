@@ -4,7 +4,7 @@ The model of a residual is: noise that is correlated as exp(-(d / l)^2 / 2), noi
 something slow that is no noise (the wall's form, the camera's distortion), and then rounding to the quantum.
 """
 
-from dataclasses import astuple, dataclass, fields
+from dataclasses import astuple, dataclass
 
 import numpy as np
 from jaxtyping import Float
@@ -104,7 +104,9 @@ def bootstrap(
     best = _fit(found, quantum)
     rng, count = np.random.default_rng(seed), len(found.curve)
     again = [
-        astuple(_fit(found.weighted(np.bincount(rng.integers(count, size=count), minlength=count)), quantum, best))
+        astuple(
+            _fit(found.weighted(np.bincount(rng.integers(count, size=count), minlength=count)), quantum, best)
+        )
         for _ in range(draws)
     ]
     low, high = np.percentile(again, [2.5, 97.5], axis=0)
@@ -127,7 +129,9 @@ class _Blocks:
         curve = np.concatenate(curves)
         whole = np.isfinite(curve).all(axis=(1, 2))
         if not whole.any():
-            raise ValueError(f"patches: found none, or all smaller than the {LAGS[-1] + 1} px that are allowed")
+            raise ValueError(
+                f"patches: found none, or all smaller than the {LAGS[-1] + 1} px that are allowed"
+            )
         curve, patch = curve[whole], patch[whole]
         return cls(curve, patch, np.array([one.slope for one in patches]), np.ones(len(curve)))
 
@@ -149,20 +153,20 @@ def _fit(found: _Blocks, quantum: float, start: NoiseFit | None = None) -> Noise
     """By the logarithms of curve and parameters: errors of a variogram are shares of it."""
     mean = np.maximum(found.mean, 1e-12)
 
+    def fit_of(logs: np.ndarray) -> NoiseFit:
+        sigma, correlation, white, slow, slow_length = map(float, np.exp(logs))
+        return NoiseFit(sigma, correlation, white, slow, slow_length, quantum)
+
     def misses(logs: np.ndarray) -> np.ndarray:
-        return np.log(found.model(NoiseFit(*np.exp(logs), quantum)) / mean).ravel()
+        return np.log(found.model(fit_of(logs)) / mean).ravel()
 
     bounds = np.log(_LEAST), np.log(_MOST)
     first = np.log(_START if start is None else astuple(start)[:-1])
     solved = least_squares(misses, np.clip(first, bounds[0] + 1e-6, bounds[1] - 1e-6), bounds=bounds)
-    return NoiseFit(*map(float, np.exp(solved.x)), quantum)
+    return fit_of(solved.x)
 
 
 def mean_variogram(patches: list[PlaneResidual], fit: NoiseFit) -> Float[np.ndarray, "2 2 lags"]:
     """The variograms along u and v as measured, and as the fit has them [px^2], to be drawn."""
     found = _Blocks.of(patches)
     return np.stack([found.mean, found.model(fit)])
-
-
-NAMES = tuple(field.name for field in fields(NoiseFit))
-"""Names of a fit's figures, in order."""

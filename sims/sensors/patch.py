@@ -22,7 +22,8 @@ def see_pixels(
     """Depth along the optical axis [m] of pixels with these rays (camera frame, z = 1), and its validity.
 
     Disparity noise and quantisation as in `observe`; the pixels must lie further apart than errors are
-    correlated. Pixels that see a surface edge-on are lost; edges and dark paint are not modelled here.
+    correlated. Pixels that see a surface edge-on are lost; edges, dark paint and distortion are not modelled
+    here.
     """
     turned = rotate(T_map_camera.R, rays)
     stretch = jnp.sqrt((rays * rays).sum(-1))

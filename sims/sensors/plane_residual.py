@@ -1,7 +1,7 @@
 """How far the depth image of a plane is from one, in disparity, and how alike neighbours err.
 
-Inverse depth is linear in the pixel over a plane, however it is slanted, so nothing but the picture is needed:
-neither the plane's place nor the camera's. Host numpy, for pictures that were taken.
+Inverse depth is linear in the pixel over a plane, however it is slanted, so nothing but the picture is
+needed: neither the plane's place nor the camera's. Host numpy, for pictures that were taken.
 """
 
 from dataclasses import dataclass
@@ -43,10 +43,13 @@ def plane_residual(depth: Float[np.ndarray, "height width"], focal_baseline: flo
     fewer than ten depths, or whose depths give no plane.
     """
     seen = np.isfinite(depth) & (depth > 0)
-    v, u = (axis[seen] - 0.5 * size for axis, size in zip(np.indices(depth.shape), depth.shape, strict=True))
+    v, u = np.nonzero(seen)
+    u, v = u - 0.5 * depth.shape[1], v - 0.5 * depth.shape[0]
     terms = np.stack([np.ones(u.size), u, v], axis=1)
     if u.size < 10 or np.linalg.matrix_rank(terms) < 3:
-        raise ValueError(f"depth: found {u.size} depths in a patch of {depth.shape}; allowed is a plane of 10")
+        raise ValueError(
+            f"depth: found {u.size} depths in a patch of {depth.shape}; allowed is a plane of 10"
+        )
     disparity = focal_baseline / depth[seen]
     weight = np.ones(u.size)
     for _ in range(_ROUNDS):
@@ -67,7 +70,9 @@ def blocks(
 ) -> list[Float[np.ndarray, "block_height block_width"]]:
     """A patch cut into equal blocks of about `size` pixels: what may be drawn again by a bootstrap."""
     rows, columns = (max(1, round(extent / size)) for extent in residual.shape)
-    return [block for band in np.array_split(residual, rows) for block in np.array_split(band, columns, axis=1)]
+    return [
+        block for band in np.array_split(residual, rows) for block in np.array_split(band, columns, axis=1)
+    ]
 
 
 def variogram(residual: Float[np.ndarray, "height width"]) -> Float[np.ndarray, "2 lags"]:
@@ -83,16 +88,3 @@ def variogram(residual: Float[np.ndarray, "height width"]) -> Float[np.ndarray, 
             if np.isfinite(pairs).any():
                 found[row, column] = 0.5 * np.nanmean(pairs)
     return found
-
-
-def shared_covariance(
-    first: Float[np.ndarray, "height width"], second: Float[np.ndarray, "height width"], u: int, v: int
-) -> float:
-    """Covariance of two pictures' residuals [px^2]: first at a pixel, second (u, v) pixels on.
-
-    What is random in each picture is in neither, so at (0, 0) this is the variance of what they share.
-    """
-    height, width = first.shape
-    a = first[max(0, -v) : height - max(0, v), max(0, -u) : width - max(0, u)]
-    b = second[max(0, v) : height - max(0, -v), max(0, u) : width - max(0, -u)]
-    return float(np.nanmean(a * b))

@@ -49,6 +49,20 @@ def test_all_studies_go_into_one_table(studies, tmp_path, capsys):
     assert "http" not in html
 
 
+def test_what_is_measured_needs_its_data_and_all_goes_without(studies, tmp_path, monkeypatch):
+    monkeypatch.setattr(reproduce, "MEASURED", ("two",))
+    monkeypatch.setattr("experiments.sensing.missing_file", lambda folder: None)
+    assert main(["reproduce", "all", "--out", "without"]) == 0
+    summary = json.loads((tmp_path / "without" / "summary.json").read_text())
+    assert {row["study"] for row in summary["table"]} == {"one"}
+    assert summary["left_out"] == ["two"]
+    assert main(["reproduce", "all", "--data", str(tmp_path), "--out", "with"]) == 0
+    summary = json.loads((tmp_path / "with" / "summary.json").read_text())
+    assert {row["study"] for row in summary["table"]} == {"one", "two"}
+    assert summary["left_out"] == []
+    assert summary["config"]["data"] == str(tmp_path)
+
+
 def test_every_study_of_the_registry_can_be_asked_for():
     from experiments.options import values_of
     from experiments.reproduce import REPRODUCTIONS, load
