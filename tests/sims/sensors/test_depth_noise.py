@@ -66,6 +66,21 @@ def test_error_is_correlated_over_the_given_length():
         assert (samples[:, lag:] * samples[:, :-lag]).mean() == pytest.approx(expected, abs=0.05)
 
 
+def test_a_picture_is_correlated_over_pixels_of_the_full_sensor():
+    """The picture has every fourth of them."""
+    noise = only(disparity_sigma=0.1, correlation=8.0)
+    error = np.asarray(
+        [compiled_observe(frontal(1.0), CAMERA, noise, key=jax.random.key(k)).depth for k in range(4)]
+    )
+    error -= 1.0
+    for lag in (1, 2, 3):
+        expected = np.exp(-0.5 * (4 * lag / 8) ** 2)
+        along = (error[:, :, lag:] * error[:, :, :-lag]).mean() / error.var()
+        down = (error[:, lag:] * error[:, :-lag]).mean() / error.var()
+        assert along == pytest.approx(expected, abs=0.05)
+        assert down == pytest.approx(expected, abs=0.05)
+
+
 def test_length_zero_is_white():
     samples = np.asarray(FIELD((100, 100), jnp.asarray(0.0), key=KEY, dtype=jnp.float32))
     assert samples.std() == pytest.approx(1, abs=0.03)
@@ -82,6 +97,10 @@ def test_disparity_comes_in_steps(plane, R_map_camera):
     assert len(np.unique(np.rint(steps))) > 50
     errors = np.abs(product / np.asarray(truth.depth) - product / np.asarray(seen.depth))
     assert 0.9 / 64 < errors[np.asarray(seen.valid)].max() < 1.02 / 64
+    # As of even odds between two steps.
+    assert np.sqrt(np.mean(errors[np.asarray(seen.valid)] ** 2)) == pytest.approx(
+        1 / 32 / np.sqrt(12), rel=0.06
+    )
 
 
 def test_pixels_fly_at_depth_edges_and_nowhere_else(step_wall, R_map_camera):
@@ -99,6 +118,13 @@ def test_pixels_fly_at_depth_edges_and_nowhere_else(step_wall, R_map_camera):
     assert np.std(1 / between) == pytest.approx((1 - 1 / 1.3) / np.sqrt(12), rel=0.2)
 
 
+@pytest.mark.parametrize(("edge_step", "moves"), [(0.2, True), (0.35, False)])
+def test_only_a_jump_beyond_the_limit_is_an_edge(step_wall, R_map_camera, edge_step, moves):
+    truth = RENDER(step_wall, CAMERA, jnp.asarray([-1.3, 0, 1]), R_map_camera)
+    seen = compiled_observe(truth, CAMERA, only(flying=1.0, edge_step=edge_step), key=KEY)
+    assert bool((jnp.abs(seen.depth - truth.depth) > 1e-4).any()) == moves
+
+
 def test_a_slanted_wall_is_no_edge(plane, R_map_camera):
     c, s = np.cos(0.8), np.sin(0.8)
     turned = jnp.asarray([[c, -s, 0.0], [s, c, 0], [0, 0, 1]]) @ R_map_camera
@@ -108,7 +134,20 @@ def test_a_slanted_wall_is_no_edge(plane, R_map_camera):
     np.testing.assert_allclose(np.asarray(seen.depth)[kept], np.asarray(truth.depth)[kept], rtol=1e-5)
 
 
-@pytest.mark.parametrize(("degrees", "lost"), [(60, 0.0), (78.5, 0.5), (88, 1.0)])
+# A width beyond the middle of a logistic transition 1 / (1 + e) is left.
+LOGISTIC = 1 / (1 + np.e)
+
+
+@pytest.mark.parametrize(
+    ("degrees", "lost"),
+    [
+        (60, 0),
+        (78.5 - np.degrees(0.03), LOGISTIC),
+        (78.5, 0.5),
+        (78.5 + np.degrees(0.03), 1 - LOGISTIC),
+        (88, 1),
+    ],
+)
 def test_grazing_pixels_are_lost(degrees, lost):
     noise = only(grazing=np.radians(78.5), grazing_width=0.03)
     seen = compiled_observe(frontal(1.0, incidence=np.cos(np.radians(degrees))), CAMERA, noise, key=KEY)
@@ -116,7 +155,9 @@ def test_grazing_pixels_are_lost(degrees, lost):
     assert (np.asarray(seen.depth)[~np.asarray(seen.valid)] == 0).all()
 
 
-@pytest.mark.parametrize(("grey", "lost"), [(0.3, 0.0), (0.04, 0.5), (0.0, 1.0)])
+@pytest.mark.parametrize(
+    ("grey", "lost"), [(0.3, 0), (0.048, LOGISTIC), (0.04, 0.5), (0.032, 1 - LOGISTIC), (0.0, 1)]
+)
 def test_dark_pixels_are_lost(grey, lost):
     seen = compiled_observe(frontal(1.0, grey=grey), CAMERA, only(dark=0.04, dark_width=0.008), key=KEY)
     assert 1 - np.mean(seen.valid) == pytest.approx(lost, abs=0.02)
