@@ -27,14 +27,16 @@ class MovingLeastSquaresSettings:
     the plain method. tuning: residual at which a neighbour loses all weight in the last two rounds, in units
     of the local noise [1]; twice as much in each round before, so that the first take in both sides of an
     edge. iterations: how often all points are projected. The defaults gained most, averaged over mean and
-    mean square, of 30 choices on simulated scans of walls, corners and boxes at 0.5 to 2.5 m.
+    mean square, of some forty choices on simulated scans of walls, corners and boxes at 0.5 to 2.5 m:
+    without the rounds a mean square at corners is twice that of the raw cloud at 0.5 m, order 2 leaves a
+    third of the error on walls.
     """
 
     neighbours: int = 128
     bandwidth: float = 4.0
     order: int = 1
-    rounds: int = 4
-    tuning: float = 4.0
+    rounds: int = 6
+    tuning: float = 5.0
     iterations: int = 1
 
     def __post_init__(self):
