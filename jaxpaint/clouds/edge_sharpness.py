@@ -58,9 +58,10 @@ def edge_sharpness(points: Float[np.ndarray, "N 3"], edge: Edge, *, reach: float
 
     The area is that between strips of equal width over |s| <= reach sin(theta), of each the mean of x; with
     it rounding = sign(area) sqrt(|area| / (cot(theta) - pi / 2 + theta)). Fillets up to a radius of
-    reach tan(theta) lie within. Noise of standard deviation sigma makes the rounding of a sharp edge slightly
-    negative: a point beyond the edge counts on the other side of it. Raises ValueError where the faces are
-    one plane, or `reach` is not above zero.
+    reach tan(theta) lie within. Noise of standard deviation sigma makes the rounding of a sharp edge
+    negative, by about two sigma, as a point beyond the edge counts on the other side of it; a thousand points
+    leave it uncertain by as much. Raises ValueError where the faces are one plane or one on the other, or
+    `reach` is not above zero.
     """
     theta = edge.half_angle
     if not (np.isfinite(reach) and reach > 0):

@@ -28,7 +28,7 @@ class MovingLeastSquaresSettings:
     of the local noise [1]; twice as much in each round before, so that the first take in both sides of an
     edge. iterations: how often all points are projected. The defaults gained most, averaged over mean and
     mean square, of some forty choices on simulated scans of walls, corners and boxes at 0.5 to 2.5 m:
-    without the rounds a mean square at corners is twice that of the raw cloud at 0.5 m, order 2 leaves a
+    without the rounds the mean square at corners is twice that of the raw cloud at 0.5 m, order 2 leaves a
     third of the error on walls.
     """
 
