@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from jaxpaint.clouds import Chamfer
 from sims.scoring.paint import PaintScore
-from sims.scoring.surface import Chamfer
 from sims.scoring.tracking import TrackingScore
 from sims.status import Status
 

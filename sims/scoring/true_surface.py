@@ -6,7 +6,8 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from sims.scoring.surface import Chamfer, surface_samples
+from jaxpaint.clouds import Chamfer
+from sims.scoring.surface import surface_samples
 
 # Samples of the true surface that look for their nearest point of the cloud.
 _COLUMNS, _ROWS = 48, 20
