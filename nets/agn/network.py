@@ -105,6 +105,10 @@ class AGN(eqx.Module):
         moved = self.head(blocks_of(patch.points), anchors, planes, joined, beside)
         return jnp.where(patch.valid[:, None], points_of(moved), 0)
 
+    def refined(self, patch: Patch) -> tuple[Float[Array, "n 3"], Bool[Array, " n"]]:
+        """The patch's points with their residuals added, and which are real."""
+        return patch.points + self(patch), patch.valid
+
     def _describe(
         self, anchors: Anchors, around: Neighbourhoods, coloured: Bool[Array, ""], spread: Graph
     ) -> tuple[Float[Array, "m f"], Planes]:

@@ -110,15 +110,16 @@ def test_gradients_agree_with_differences(x64, network, scanned):
     by_params, by_points = jax.grad(error, argnums=(0, 1))(params, points)
     step = 1e-6
 
-    def along(direction, *, of_params):
-        moved = [
-            (jax.tree.map(lambda a, b: a + s * b, params, direction), points)
-            if of_params
-            else (params, points + s * direction)
-            for s in (step, -step)
-        ]
-        return (error(*moved[0]) - error(*moved[1])) / (2 * step)
+    def moved(tree, way, direction):
+        return jax.tree.map(lambda a, b: a + way * b, tree, direction)
 
+    def along(of_params, of_points):
+        ahead, back = (
+            error(moved(params, way, of_params), points + way * of_points) for way in (step, -step)
+        )
+        return (ahead - back) / (2 * step)
+
+    still = jax.tree.map(jnp.zeros_like, params)
     expected = sum(jax.tree.leaves(jax.tree.map(lambda a, b: (a * b).sum(), by_params, turned)))
-    np.testing.assert_allclose(along(turned, of_params=True), expected, rtol=1e-5)
-    np.testing.assert_allclose(along(shifted, of_params=False), (by_points * shifted).sum(), rtol=1e-5)
+    np.testing.assert_allclose(along(turned, jnp.zeros_like(points)), expected, rtol=1e-5)
+    np.testing.assert_allclose(along(still, shifted), (by_points * shifted).sum(), rtol=1e-5)
