@@ -15,7 +15,6 @@ from nets.agn.anchors import Patch
 from nets.agn.blocks import block_order
 from nets.losses import Distances, LossWeights, distances, laplacian, loss
 
-
 _AT_ONCE = 1024
 """Points whose nearest places on the surface are looked for at once."""
 
