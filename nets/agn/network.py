@@ -32,8 +32,8 @@ class AGNSettings(eqx.Module):
     patch. blocks: whose points make an anchor's neighbourhood. nearest, further, stride: edges in space to
     the nearest anchors, and to every stride-th after them. groups: where these are looked for. coplanar:
     edges in feature space. beside: anchors whose planes a point may move to. reach: distance that counts in
-    feature space as much as one standard deviation of the noise across a plane [anchor sizes]. descriptors:
-    1 to 3; attention: on or off; less are ablations.
+    feature space as much as one standard deviation of the noise across a plane [anchor sizes]. rounds: how
+    often the third descriptor is applied. descriptors: 1 to 3; attention: on or off; less are ablations.
     """
 
     features: int = eqx.field(static=True, default=24)
@@ -48,6 +48,7 @@ class AGNSettings(eqx.Module):
     coplanar: int = eqx.field(static=True, default=32)
     beside: int = eqx.field(static=True, default=10)
     reach: float = eqx.field(static=True, default=16.0)
+    rounds: int = eqx.field(static=True, default=2)
     descriptors: int = eqx.field(static=True, default=3)
     attention: bool = eqx.field(static=True, default=True)
 
@@ -56,8 +57,8 @@ class AGN(eqx.Module):
     """Hierarchical feature extractor of graph descriptors, global feature, residual head (S1 figure 4).
 
     Points are gathered in blocks, each with an anchor. The first descriptor looks from anchors at points, the
-    second at the anchors about them, the third in feature space: at anchors on the same plane, however far.
-    Each gives the anchor features, and a plane fitted by its attention: the planes hold what wide smooth
+    second at the anchors about them, the third in feature space: at anchors on the same plane, however far,
+    and again with what it found, by when a plane rests on all that lie on it. Each gives the anchor features, and a plane fitted by its attention: the planes hold what wide smooth
     surfaces say, the features how far they hold. A maximum over all anchors joins the local features, and
     the head moves each point to the planes about it: S' = S + residual.
     """
@@ -120,18 +121,19 @@ class AGN(eqx.Module):
         centre = moments.centre
         planes = [(centre, normal)]
         for level, descriptor in enumerate(self.others):
-            graph = self._graph(level, anchors, centre, normal, features, spread)
-            lie = edges.to_anchors(anchors, centre, normal, graph)
-            apart = features[graph.index] - features[:, None]
-            own = jnp.broadcast_to(features[:, None], apart.shape)
-            numbers = jnp.concatenate([lie, own, apart], axis=-1)
-            about = jnp.concatenate([features, anchors.about], axis=-1)
-            gained, weight = descriptor(numbers, graph.real, about)
-            features = features + gained
-            moments = of_sets(weight, moments[graph.index])
-            normal = normal_of(moments, normal)
-            # The anchor stays where it is along its plane: the union's centre may be far.
-            centre = centre - dot(centre - moments.centre, normal)[:, None] * normal
+            for _ in range(self.settings.rounds if level else 1):
+                graph = self._graph(level, anchors, centre, normal, features, spread)
+                lie = edges.to_anchors(anchors, centre, normal, graph)
+                apart = features[graph.index] - features[:, None]
+                own = jnp.broadcast_to(features[:, None], apart.shape)
+                numbers = jnp.concatenate([lie, own, apart], axis=-1)
+                about = jnp.concatenate([features, anchors.about], axis=-1)
+                gained, weight = descriptor(numbers, graph.real, about)
+                features = features + gained
+                moments = of_sets(weight, moments[graph.index])
+                normal = normal_of(moments, normal)
+                # The anchor stays where it is along its plane: the union's centre may be far.
+                centre = centre - dot(centre - moments.centre, normal)[:, None] * normal
             planes.append((centre, normal))
         centres, normals = zip(*planes, strict=True)
         return features, Planes(jnp.stack(centres, axis=1), jnp.stack(normals, axis=1))
