@@ -58,9 +58,10 @@ class AGN(eqx.Module):
 
     Points are gathered in blocks, each with an anchor. The first descriptor looks from anchors at points, the
     second at the anchors about them, the third in feature space: at anchors on the same plane, however far,
-    and again with what it found, by when a plane rests on all that lie on it. Each gives the anchor features, and a plane fitted by its attention: the planes hold what wide smooth
-    surfaces say, the features how far they hold. A maximum over all anchors joins the local features, and
-    the head moves each point to the planes about it: S' = S + residual.
+    and again with what it found, by when a plane rests on all that lie on it. Each gives the anchor features,
+    and a plane fitted by its attention: the planes hold what wide smooth surfaces say, the features how far
+    they hold. A maximum over all anchors joins the local features, and the head moves each point to the
+    planes about it: S' = S + residual.
     """
 
     first: GraphDescriptor
