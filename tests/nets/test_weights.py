@@ -40,7 +40,7 @@ def test_what_is_no_file_of_weights_is_refused(content, tmp_path):
         path.write_bytes(path.read_bytes()[:200])
     elif content is not None:
         path.write_bytes(content)
-    with pytest.raises(InputError, match="net.npz: no"):
+    with pytest.raises(InputError, match=r"net\.npz: no"):
         weights.load(path, network())
 
 
