@@ -248,3 +248,15 @@ def test_textures_vary_and_stay_within_range(texture):
     colours = np.asarray(jax.vmap(texture().colour)(jnp.asarray(steps, dtype=float)))
     assert colours.min() >= 0 and colours.max() <= 1
     assert np.ptp(colours, axis=0).max() > 0.05
+
+
+def test_patterns_go_on_at_negative_coordinates():
+    uv = np.random.default_rng(3).uniform(-2, 2, (2000, 2)).astype(np.float32)
+    checker = Checker(_numbers(0, 0, 0), _numbers(1, 1, 1), jnp.asarray(0.25))
+    bricks = Bricks(_numbers(0, 0, 0), _numbers(1, 1, 1), _numbers(0.2, 0.07), jnp.asarray(0.01))
+    odd = np.floor(uv / 0.25).sum(1) % 2 == 1
+    course = np.floor(uv[:, 1] / 0.07)
+    mortar = ((uv[:, 0] + 0.1 * (course % 2)) % 0.2 < 0.01) | (uv[:, 1] % 0.07 < 0.01)
+    for texture, wanted in ((checker, odd), (bricks, mortar)):
+        found = np.asarray(jax.vmap(texture.colour)(jnp.asarray(uv)))[:, 0] > 0.5
+        assert (found == wanted).mean() > 0.998, "but for rounding at an edge"
