@@ -63,7 +63,7 @@ def test_other_scans_gain_too(trained):
     training, states, _ = trained
     held_out = lessons(jax.random.key(99), 4)
     before, after = (gains(training.validate(state, held_out)) for state in (states[0], states[-1]))
-    assert after["l1"].mean() > max(0.3, before["l1"].mean())
+    assert after["l1"].mean() > before["l1"].mean() + 0.1
     assert after["l2"].shape == (4,)
 
 
