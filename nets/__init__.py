@@ -1,1 +1,1 @@
-"""Networks that refine clouds. Nothing is exported yet: AGN follows."""
+"""Networks that refine clouds: AGN, and how it is trained."""
